@@ -1,0 +1,12 @@
+"""The cues by the names users call them by."""
+
+from __future__ import annotations
+
+from facecrf_ocio.cues.evidence import Cue
+from facecrf_ocio.cues.face import face_cue
+
+CUES: dict[str, Cue] = {
+    "face": face_cue(shaded=True),
+    "face-unshaded": face_cue(shaded=False),
+}
+

@@ -1,0 +1,46 @@
+"""The errors this package raises: each names what is wrong and what to do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class FaceCRFError(Exception):
+    """Base of all errors raised on purpose by this package."""
+
+
+class PhotoError(FaceCRFError):
+    """A photo cannot be read or used; its text names the file, what is wrong and what to do.
+
+    Parameters
+    ----------
+    path
+        The file, or None for an array in memory.
+    problem
+        What is wrong, without a final period.
+    remedy
+        What the user can do about it, without a final period.
+    """
+
+    def __init__(self, path: Path | None, problem: str, remedy: str) -> None:
+        self.path = path
+        self.problem = problem
+        self.remedy = remedy
+        name = "photo in memory" if path is None else str(path)
+        super().__init__(f"{name}: {problem}; {remedy}")
+
+
+class LutError(FaceCRFError):
+    """A LUT cannot be written, read, or did not read back as it was written."""
+
+
+class OutputError(FaceCRFError):
+    """An output cannot be written: it exists, its folder is missing, or the disk refused it."""
+
+
+class SettingsError(FaceCRFError):
+    """A setting or an argument is outside of what it may be."""
+
+
+class NotCalibratedError(FaceCRFError):
+    """The curve of an estimate was asked for, but the photo could not be calibrated."""

@@ -1,0 +1,270 @@
+"""The record of a calibration that stands beside its LUTs, NAME.crf.json."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from facecrf_ocio.errors import FaceCRFError, LutError
+from facecrf_ocio.export import strict_json
+from facecrf_ocio.export.atomic import Draft, write_files
+from facecrf_ocio.export.versions import versions
+from facecrf_ocio.settings import Settings
+from facecrf_ocio.values import (
+    Camera,
+    Confidence,
+    Estimate,
+    Float,
+    InverseCRF,
+    Outcome,
+    Photo,
+    Primaries,
+    Verdict,
+)
+
+SCHEMA = "facecrf sidecar"
+SCHEMA_VERSION = 1
+SUFFIX = ".crf.json"
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """The photo a calibration was made from; `name` and `sha256` are None for one in memory."""
+
+    name: str | None
+    sha256: str | None
+    width: int
+    height: int
+    bit_depth: int | None
+    scene_linear: bool
+    grayscale: bool
+    camera: Camera
+    primaries: Primaries | None
+
+
+@dataclass(frozen=True, slots=True)
+class FaceBox:
+    """Where a face was: x, y, width, height in pixels, and the detector's score."""
+
+    box_xy: tuple[float, float, float, float]
+    score: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sidecar:
+    """What a sidecar holds; see Estimate for the fields of the same name.
+
+    Attributes
+    ----------
+    curve
+        The inverse CRF to the last digit; None where the photo could not be calibrated.
+    confidence
+        Its numbers have six significant digits.
+    settings
+        All settings of the calibration, by name.
+    versions
+        Versions of this package, of Python and of the libraries.
+    luts
+        Names of the LUT files written with it.
+    """
+
+    source: Source
+    outcome: Outcome
+    estimator: str
+    reason: str
+    remedy: str
+    curve: InverseCRF | None
+    confidence: Confidence | None
+    coefficients: Float | None
+    energy: Mapping[str, float]
+    faces: tuple[FaceBox, ...]
+    assumptions: tuple[str, ...]
+    settings: Mapping[str, bool | int | float | str]
+    versions: Mapping[str, str]
+    luts: tuple[str, ...]
+
+
+def write_sidecar(
+    path: Path,
+    photo: Photo,
+    estimate: Estimate,
+    settings: Settings,
+    *,
+    luts: Sequence[Path] = (),
+    overwrite: bool = False,
+) -> Path:
+    """Write the record of one calibration, with or without a curve.
+
+    Raises
+    ------
+    OutputError
+        If the file exists and `overwrite` is false, or it cannot be written.
+    """
+    return write_files([sidecar_draft(path, photo, estimate, settings, luts)], overwrite=overwrite)[
+        0
+    ]
+
+
+def sidecar_draft(
+    path: Path, photo: Photo, estimate: Estimate, settings: Settings, luts: Sequence[Path]
+) -> Draft:
+    """Return the sidecar to be written, which is read back before it appears."""
+    record = {
+        "schema": SCHEMA,
+        "schema_version": SCHEMA_VERSION,
+        "outcome": estimate.outcome.value,
+        "estimator": estimate.estimator,
+        "reason": estimate.reason,
+        "remedy": estimate.remedy,
+        "source": asdict(_source(photo)),
+        "luts": [lut.name for lut in luts],
+        "linear_light": {
+            "exposure": "relative: known up to one factor",
+            "primaries": "unknown" if photo.primaries is None else photo.primaries.name,
+        },
+        "assumptions": estimate.assumptions,
+        "energy": estimate.energy,
+        "coefficients": estimate.coefficients,
+        "faces": [{"box_xy": face.box_xy, "score": face.score} for face in estimate.faces],
+        "confidence": _confidence_record(estimate.confidence),
+        "settings": asdict(settings),
+        "versions": versions(),
+        "curve": _curve_record(estimate.found),
+    }
+    return Draft(path, strict_json.dump(record), lambda written: _compare(written, path, estimate))
+
+
+def read_sidecar(path: Path) -> Sidecar:
+    """Read the record of a calibration.
+
+    Raises
+    ------
+    LutError
+        If the file cannot be read, is no sidecar, or comes from a newer version.
+    """
+    path = Path(path)
+    try:
+        record = strict_json.load(path.read_bytes())
+        _require_schema(record, path)
+        return _sidecar(record)
+    except OSError as error:
+        raise LutError(
+            f"{path}: cannot be read: {(error.strerror or str(error)).lower()}"
+        ) from error
+    except LutError:
+        raise
+    except (FaceCRFError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise LutError(
+            f"{path}: is not a sidecar of facecrf, or was changed "
+            f"({type(error).__name__}: {' '.join(str(error).split())}); calibrate the photo again"
+        ) from error
+
+
+def _source(photo: Photo) -> Source:
+    height, width = photo.encoded.shape[:2]
+    return Source(
+        name=None if photo.path is None else photo.path.name,
+        sha256=photo.sha256,
+        width=width,
+        height=height,
+        bit_depth=photo.bit_depth,
+        scene_linear=photo.scene_linear,
+        grayscale=photo.grayscale,
+        camera=photo.camera,
+        primaries=photo.primaries,
+    )
+
+
+def _curve_record(curve: InverseCRF | None) -> dict[str, object] | None:
+    return None if curve is None else {"encoded": curve.encoded, "linear": curve.linear}
+
+
+def _confidence_record(confidence: Confidence | None) -> dict[str, object] | None:
+    if confidence is None:
+        return None
+    return {
+        "verdict": confidence.verdict.value,
+        "reasons": confidence.reasons,
+        "sigma": _rounded(confidence.sigma),
+        "coverage": _rounded(confidence.coverage),
+    }
+
+
+def _rounded(numbers: Float) -> Float:
+    return np.array([[float(f"{number:.6g}") for number in row] for row in numbers.tolist()])
+
+
+def _compare(written: Path, path: Path, estimate: Estimate) -> None:
+    curve = read_sidecar(written).curve
+    found = estimate.found
+    same = (curve is None) == (found is None)
+    if curve is not None and found is not None:
+        same = np.array_equal(curve.encoded, found.encoded) and np.array_equal(
+            curve.linear, found.linear
+        )
+    if not same:
+        raise LutError(f"{path}: does not read back as written; please report this")
+
+
+# JSON is untyped: what is missing or of the wrong kind raises, and read_sidecar says so.
+def _require_schema(record: Any, path: Path) -> None:
+    if record["schema"] != SCHEMA:
+        raise ValueError(f"its schema is {record['schema']!r}")
+    if record["schema_version"] > SCHEMA_VERSION:
+        raise LutError(f"{path}: was written by a newer facecrf; update facecrf-ocio to read it")
+
+
+def _sidecar(record: Any) -> Sidecar:
+    curve, coefficients = record["curve"], record["coefficients"]
+    return Sidecar(
+        source=_read_source(record["source"]),
+        outcome=Outcome(record["outcome"]),
+        estimator=str(record["estimator"]),
+        reason=str(record["reason"]),
+        remedy=str(record["remedy"]),
+        curve=None
+        if curve is None
+        else InverseCRF(_array(curve["encoded"]), _array(curve["linear"])),
+        confidence=_read_confidence(record["confidence"]),
+        coefficients=None if coefficients is None else _array(coefficients),
+        energy={name: _number(value) for name, value in record["energy"].items()},
+        faces=tuple(FaceBox(tuple(face["box_xy"]), face["score"]) for face in record["faces"]),
+        assumptions=tuple(record["assumptions"]),
+        settings=dict(record["settings"]),
+        versions=dict(record["versions"]),
+        luts=tuple(record["luts"]),
+    )
+
+
+def _read_source(record: dict[str, Any]) -> Source:
+    primaries = record["primaries"]
+    if primaries is not None:
+        pairs = {name: tuple(primaries[name]) for name in ("red", "green", "blue", "white")}
+        primaries = Primaries(**{**primaries, **pairs})
+    return Source(**{**record, "camera": Camera(**record["camera"]), "primaries": primaries})
+
+
+def _read_confidence(record: dict[str, Any] | None) -> Confidence | None:
+    if record is None:
+        return None
+    return Confidence(
+        sigma=_array(record["sigma"]),
+        coverage=_array(record["coverage"]),
+        verdict=Verdict(record["verdict"]),
+        reasons=tuple(record["reasons"]),
+    )
+
+
+def _array(numbers: list[Any]) -> Float:
+    """Return numbers, of which null stands for one that was not finite, as a read-only array."""
+    array = np.array(numbers, dtype=np.float64)
+    array.flags.writeable = False
+    return array
+
+
+def _number(value: float | None) -> float:
+    return float("nan") if value is None else float(value)

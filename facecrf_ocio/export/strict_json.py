@@ -1,0 +1,52 @@
+"""JSON that every reader accepts: no NaN, full precision, arrays of numbers on one line."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from typing import Any, NoReturn
+
+import numpy as np
+
+
+def dump(record: Mapping[str, object]) -> bytes:
+    """Write a record as UTF-8; numbers that are not finite become null."""
+    # What UTF-8 cannot hold, bytes of a file name that are no text, becomes JSON's own escape.
+    return (_layout(_plain(record), "") + "\n").encode("utf-8", "backslashreplace")
+
+
+def load(content: bytes) -> Any:
+    """Read what `dump` wrote, or raise ValueError."""
+    return json.loads(content.decode("utf-8"), parse_constant=_refuse)
+
+
+def _refuse(constant: str) -> NoReturn:
+    raise ValueError(f"{constant} is not JSON")
+
+
+def _plain(value: object) -> object:
+    """Return the value in JSON's own types."""
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    if isinstance(value, np.ndarray):
+        finite = value.astype(object)
+        finite[~np.isfinite(value)] = None
+        return finite.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def _layout(value: object, indent: str) -> str:
+    inner = indent + "  "
+    if isinstance(value, dict) and value:
+        items = [f"{json.dumps(key)}: {_layout(item, inner)}" for key, item in value.items()]
+        return "{\n" + ",\n".join(inner + item for item in items) + f"\n{indent}}}"
+    if isinstance(value, list) and any(isinstance(item, list | dict) for item in value[:1]):
+        return "[\n" + ",\n".join(inner + _layout(item, inner) for item in value) + f"\n{indent}]"
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)

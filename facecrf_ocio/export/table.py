@@ -1,0 +1,46 @@
+"""The table of numbers that every LUT file holds, and how its numbers are written."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from facecrf_ocio.values import Float, InverseCRF
+
+LUT_LENGTH = 4096
+# OpenColorIO 2.6 refuses files with numbers that are subnormal in float32.
+_SMALLEST = np.finfo(np.float32).tiny
+
+
+def resample(curve: InverseCRF) -> Float:
+    """Sample a curve uniformly over [0, 1].
+
+    The curve is linear between its samples, so this is exact for a curve that has its samples at
+    the same codes, and increasing for every curve.
+
+    Returns
+    -------
+    numpy.ndarray
+        (3, 4096) float64.
+    """
+    nodes = np.linspace(0.0, 1.0, LUT_LENGTH)
+    return np.stack([np.interp(nodes, curve.encoded, linear) for linear in curve.linear])
+
+
+def lut_table(curve: InverseCRF) -> npt.NDArray[np.float32]:
+    """Return the entries of a curve's LUT.
+
+    Returns
+    -------
+    numpy.ndarray
+        (4096, 3) float32, never decreasing along the first axis. Steps that float32 cannot tell
+        apart become equal; values below its smallest normal number, 1.2e-38, become 0.
+    """
+    table = resample(curve).T.astype(np.float32)
+    table[table < _SMALLEST] = 0.0
+    return table
+
+
+def table_rows(curve: InverseCRF) -> str:
+    """Write a curve's LUT as one line "R G B" per entry; nine digits make float32 exact."""
+    return "".join(f"{r:.9g} {g:.9g} {b:.9g}\n" for r, g, b in lut_table(curve).tolist())

@@ -1,0 +1,194 @@
+"""Every face of a photo that is large enough to be measured, and the ladder when none is found."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from facecrf_ocio.face.blazeface import detect_blazeface
+from facecrf_ocio.face.candidate import Candidate, drop_duplicates
+from facecrf_ocio.face.landmarks import fit_landmarks
+from facecrf_ocio.face.pyramid import Pyramid, build_pyramid
+from facecrf_ocio.face.tone import Tone, brightening_tone
+from facecrf_ocio.face.yunet import detect_yunet
+from facecrf_ocio.settings import Settings
+from facecrf_ocio.values import Face, Float
+
+# A face this wide [px] on the half-size copy is the one that counts: any that only the full-size
+# copy would show is less than half as wide.
+_WIDE_ENOUGH = 40
+# A second look meets mostly photos without a face, so it must be surer than the first.
+_RETRY_SCORE = 0.8
+_RETRY_BLAZEFACE_SCORE = 0.65  # on clear faces YuNet says 0.9 and BlazeFace 0.7 to 0.9
+_RETRY_WIDTH = 40  # [px of the photo]
+_TURNS = (90, 270, 180, 45, 315, 135, 225)  # [degree]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FoundFaces:
+    """The faces of one photo.
+
+    Attributes
+    ----------
+    faces
+        Those at least `Settings.min_face_width` wide, widest first.
+    too_small
+        How many narrower ones a detector saw. If `faces` is empty, this tells "no face" from "no
+        face large enough".
+    """
+
+    faces: tuple[Face, ...]
+    too_small: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Look:
+    """What one search gave, in pixels of the photo."""
+
+    candidates: tuple[Candidate, ...]
+    tone: Tone | None
+    turned: bool = False
+
+
+def find_faces(encoded: npt.NDArray[np.float32], settings: Settings) -> FoundFaces:
+    """Find all faces of a photo.
+
+    YuNet looks first. If it sees nothing, further looks follow until one succeeds: at a brightened
+    copy if the photo is dark, at a smaller copy, with BlazeFace, and at the copy turned by
+    multiples of 45 degrees; these must be surer (YuNet 0.8, BlazeFace 0.65) and ignore all that is
+    narrower than 40 px. A face counts only if the landmark network, too, sees one there.
+
+    Parameters
+    ----------
+    encoded
+        (H, W, 3) RGB in [0, 1].
+    settings
+        `detection_long_side`, `min_face_score` and `min_face_width` (in pixels of the photo).
+    """
+    side = settings.detection_long_side
+    pyramid = build_pyramid(encoded, side, max(1, side // 2), max(1, side // 4))
+    for look in _looks(pyramid, settings):
+        found = _examine(pyramid, look, settings.min_face_width)
+        if found.faces or found.too_small:
+            return found
+    return FoundFaces((), 0)
+
+
+def _examine(pyramid: Pyramid, look: _Look, min_width: float) -> FoundFaces:
+    """Fit landmarks to the candidates that are large enough and keep those that are faces."""
+    widest_first = sorted(look.candidates, key=lambda item: item.width, reverse=True)
+    large = [candidate for candidate in widest_first if candidate.width >= min_width]
+    small = widest_first[len(large) :]
+    fitted = (_fit(pyramid, candidate, look) for candidate in large)
+    faces = tuple(face for face in fitted if face is not None)
+    # What is too small needs no landmarks, but must not end the search if it is no face.
+    if not faces and small and _fit(pyramid, small[0], look) is None:
+        small = []
+    return FoundFaces(faces, len(small))
+
+
+def _fit(pyramid: Pyramid, candidate: Candidate, look: _Look) -> Face | None:
+    """Fit landmarks; None if their network sees no face."""
+    landmarks = fit_landmarks(pyramid, candidate, look.tone)
+    if landmarks is None:
+        return None
+    box = _box_around(landmarks.xyz) if look.turned else _box(candidate)
+    return Face(box, landmarks.xyz, candidate.score)
+
+
+def _looks(pyramid: Pyramid, settings: Settings) -> Iterator[_Look]:
+    """Search after search, each made only when it is asked for."""
+    full = pyramid.level_within(settings.detection_long_side)
+    half = pyramid.level_within(settings.detection_long_side // 2)
+    yield _Look(_search(pyramid, (half, full), None, settings.min_face_score), None)
+
+    tone = brightening_tone(pyramid.levels[-1])
+    score = max(settings.min_face_score, _RETRY_SCORE)
+    if tone is not None:
+        yield _Look(_wide(_search(pyramid, (half, full), tone, score)), tone)
+    yield _Look(_wide(_search_level(pyramid, len(pyramid.levels) - 1, tone, score)), tone)
+
+    pixels = _eight_bit(pyramid.levels[half], tone)
+    seen = detect_blazeface(pixels, _RETRY_BLAZEFACE_SCORE)
+    yield _Look(_wide(_to_photo(pyramid, half, seen)), tone)
+    for degrees in _TURNS:
+        turned, to_upright = _turn(pixels, degrees)
+        seen = tuple(item.transform(to_upright) for item in detect_yunet(turned, score))
+        yield _Look(_wide(_to_photo(pyramid, half, seen)), tone, turned=True)
+
+
+def _search(
+    pyramid: Pyramid, levels: tuple[int, int], tone: Tone | None, min_score: float
+) -> tuple[Candidate, ...]:
+    """Search the half-size copy and, unless a face fills much of it, the full-size copy too."""
+    half, full = levels
+    seen = _search_level(pyramid, half, tone, min_score)
+    wide_enough = _WIDE_ENOUGH / pyramid.scale_xy(half)[0]
+    if full == half or any(candidate.width >= wide_enough for candidate in seen):
+        return seen
+    return drop_duplicates((*seen, *_search_level(pyramid, full, tone, min_score)))
+
+
+def _search_level(
+    pyramid: Pyramid, level: int, tone: Tone | None, min_score: float
+) -> tuple[Candidate, ...]:
+    pixels = _eight_bit(pyramid.levels[level], tone)
+    return _to_photo(pyramid, level, detect_yunet(pixels, min_score))
+
+
+def _to_photo(
+    pyramid: Pyramid, level: int, candidates: tuple[Candidate, ...]
+) -> tuple[Candidate, ...]:
+    x, y = 1.0 / pyramid.scale_xy(level)
+    to_photo = np.array([[x, 0.0, 0.0], [0.0, y, 0.0]])
+    return tuple(candidate.transform(to_photo) for candidate in candidates)
+
+
+def _wide(candidates: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
+    return tuple(candidate for candidate in candidates if candidate.width >= _RETRY_WIDTH)
+
+
+def _eight_bit(level: npt.NDArray[np.float32], tone: Tone | None) -> npt.NDArray[np.uint8]:
+    encoded = level if tone is None else tone.apply(level)
+    return np.asarray(np.clip(encoded, 0.0, 1.0) * 255.0 + 0.5, dtype=np.uint8)
+
+
+def _turn(pixels: npt.NDArray[np.uint8], degrees: float) -> tuple[npt.NDArray[np.uint8], Float]:
+    """Turn an image about its center onto a canvas that holds it, and say how to turn back.
+
+    Returns
+    -------
+    turned
+        (H', W', 3).
+    to_upright
+        (2, 3) rotation from pixels of `turned` to pixels of the image.
+    """
+    height, width = pixels.shape[:2]
+    cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    rotation = np.array([[cosine, -sine], [sine, cosine]])
+    canvas = np.rint(np.abs(rotation) @ [width, height])
+    shift = np.array([width, height]) / 2 - rotation @ (canvas / 2)
+    to_upright = np.column_stack([rotation, shift])
+    opencv = to_upright.copy()  # OpenCV counts from the center of the first pixel
+    opencv[:, 2] += rotation @ np.full(2, 0.5) - 0.5
+    turned = cv2.warpAffine(
+        pixels,
+        opencv,
+        (int(canvas[0]), int(canvas[1])),
+        flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+        borderMode=cv2.BORDER_REPLICATE,
+    )
+    return np.asarray(turned, dtype=np.uint8), to_upright
+
+
+def _box(candidate: Candidate) -> Float:
+    return np.concatenate([candidate.center_xy - candidate.size_xy / 2, candidate.size_xy])
+
+
+def _box_around(landmarks: Float) -> Float:
+    low, high = landmarks[:, :2].min(axis=0), landmarks[:, :2].max(axis=0)
+    return np.concatenate([low, high - low])

@@ -1,0 +1,101 @@
+"""Refuse, before any decoder sees them, files that decoders take badly."""
+
+from __future__ import annotations
+
+import hashlib
+import stat
+import zlib
+from pathlib import Path
+from typing import BinaryIO
+
+from facecrf_ocio.errors import PhotoError
+
+MAX_MEGAPIXELS = 150
+"""[megapixel] Larger photos are refused: decoded, this many take 1.8 GB."""
+
+COPY_AGAIN = "copy it again from the camera or from a backup"
+
+_PNG = b"\x89PNG\r\n\x1a\n"
+_CODESTREAM = b"\xff\x4f\xff\x51"  # JPEG 2000: start of codestream, then its sizes
+
+
+def check_file(path: Path) -> str:
+    """Check that the path is a file with a photo's claims, and return the SHA-256 of its bytes.
+
+    Raises
+    ------
+    PhotoError
+        If it is missing, a folder, empty, not readable, a PNG cut short or damaged, or a GIF or
+        JPEG 2000 larger than `MAX_MEGAPIXELS`.
+    """
+    try:
+        mode, size = path.stat().st_mode, path.stat().st_size
+        if stat.S_ISDIR(mode):
+            raise PhotoError(path, "is a folder", "name a photo inside of it")
+        if not stat.S_ISREG(mode):
+            raise PhotoError(path, "is not a regular file", "name a photo")
+        if size == 0:
+            raise PhotoError(path, "is empty (zero bytes)", COPY_AGAIN)
+        with path.open("rb") as file:
+            _check_claims(path, file)
+            return _sha256(file)
+    except (FileNotFoundError, NotADirectoryError):
+        raise PhotoError(path, "does not exist", "check the name and the folder") from None
+    except PermissionError:
+        problem = "may not be read (permission denied)"
+        raise PhotoError(path, problem, "give yourself permission to read it") from None
+    except OSError as error:
+        problem = f"cannot be read ({error.strerror})"
+        raise PhotoError(path, problem, "check the name and the disk") from None
+
+
+def check_size(path: Path, width: int, height: int) -> None:
+    """Raise PhotoError where a header claims more than `MAX_MEGAPIXELS`."""
+    megapixels = width * height / 1e6
+    if megapixels > MAX_MEGAPIXELS:
+        raise PhotoError(
+            path,
+            f"claims {width} x {height} pixels, {megapixels:.0f} megapixels, and at most "
+            f"{MAX_MEGAPIXELS} are read",
+            "scale it down, or crop it around the face",
+        )
+
+
+def _sha256(file: BinaryIO) -> str:
+    digest = hashlib.sha256()
+    file.seek(0)
+    while block := file.read(1 << 20):
+        digest.update(block)
+    return digest.hexdigest()
+
+
+def _check_claims(path: Path, file: BinaryIO) -> None:
+    """Check PNG for damage and GIF and JPEG 2000 for their size.
+
+    libpng writes lines of its own to stderr about damaged files, and OpenImageIO decodes GIF and
+    JPEG 2000 when it opens them.
+    """
+    head = file.read(1 << 16)
+    if head.startswith(_PNG):
+        file.seek(len(_PNG))
+        _check_png(path, file)
+    elif head.startswith(b"GIF8"):
+        check_size(path, *(int.from_bytes(head[at : at + 2], "little") for at in (6, 8)))
+    elif head[4:8] == b"jP  " or head.startswith(_CODESTREAM):
+        start = max(head.find(_CODESTREAM), 0)
+        check_size(path, *(int.from_bytes(head[start + at :][:4], "big") for at in (8, 12)))
+
+
+def _check_png(path: Path, file: BinaryIO) -> None:
+    """Check that every chunk up to the last is whole (PNG, third edition, sec. 5.3)."""
+    kind = b""
+    while kind != b"IEND":
+        header = file.read(8)
+        length, kind = int.from_bytes(header[:4], "big"), header[4:]
+        data = file.read(length + 4)
+        if len(header) < 8 or len(data) < length + 4:
+            raise PhotoError(path, "is cut short (the PNG ends early)", COPY_AGAIN)
+        checksum = int.from_bytes(data[-4:], "big")
+        # A capital first letter marks the chunks that pixels depend on.
+        if kind[:1].isupper() and zlib.crc32(data[:-4], zlib.crc32(kind)) != checksum:
+            raise PhotoError(path, "is damaged (a PNG checksum does not match)", COPY_AGAIN)

@@ -1,0 +1,84 @@
+"""Arrangements of pixels on their way from a file to a `Photo`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+Pixels = npt.NDArray[Any]
+Float32 = npt.NDArray[np.float32]
+
+# EXIF 2.32, tag 0x0112: where row 0 and column 0 of the file are in the upright picture.
+_UPRIGHT: dict[int, Callable[[Any], Any]] = {
+    2: lambda image: cv2.flip(image, 1),
+    3: lambda image: cv2.rotate(image, cv2.ROTATE_180),
+    4: lambda image: cv2.flip(image, 0),
+    5: cv2.transpose,
+    6: lambda image: cv2.rotate(image, cv2.ROTATE_90_CLOCKWISE),
+    7: lambda image: cv2.rotate(cv2.transpose(image), cv2.ROTATE_180),
+    8: lambda image: cv2.rotate(image, cv2.ROTATE_90_COUNTERCLOCKWISE),
+}
+
+
+def upright(image: Pixels, orientation: int) -> Pixels:
+    """Apply an EXIF orientation, 1 to 8, to (H, W) or (H, W, 3); other numbers change nothing."""
+    turn = _UPRIGHT.get(orientation)
+    return image if turn is None else np.asarray(turn(np.ascontiguousarray(image)))
+
+
+def code_values(codes: Pixels, bits: int) -> Float32:
+    """Code values divided by their maximum.
+
+    Parameters
+    ----------
+    codes
+        uint8 or uint16 over its full range, or floating point.
+    bits
+        Bits of the file where `codes` are uint16: readers scale 10 and 12 bits up to 16, which is
+        undone so that the values are those of the file. Else ignored.
+
+    Returns
+    -------
+    numpy.ndarray
+        float32 of the same shape, [0, 1] for integers; floating point is passed on.
+    """
+    if codes.dtype == np.uint8:
+        return np.asarray(cv2.LUT(codes, code_grid(8)))
+    if codes.dtype == np.uint16:
+        if not 8 < bits < 16:
+            return np.divide(codes, np.float32(65535), dtype=np.float32)
+        maximum = 2**bits - 1
+        table = np.rint(np.arange(65536) * (maximum / 65535)) / maximum
+        return np.take(table.astype(np.float32), codes)
+    return np.asarray(codes, np.float32)
+
+
+def code_grid(bits: int) -> Float32:
+    """(2**bits,) every code value, divided by the largest."""
+    maximum = 2**bits - 1
+    return np.asarray(np.arange(maximum + 1) / maximum, np.float32)
+
+
+def unpremultiplied(color: Float32, alpha: Float32) -> Float32:
+    """Divide (H, W, 3) by (H, W) alpha; where alpha is 0 there is nothing to divide."""
+    coverage = np.where(alpha > 0, alpha, np.float32(1))
+    return np.asarray(color / coverage[..., None], np.float32)
+
+
+def three_channels(image: Float32) -> Float32:
+    """(H, W, 3) as it is, or (H, W) repeated."""
+    return image if image.ndim == 3 else np.asarray(cv2.merge([image] * 3), np.float32)
+
+
+def is_gray(rgb: Pixels) -> bool:
+    """Whether the three channels of (H, W, 3) are equal everywhere."""
+    return _is_gray(rgb[::31, ::31]) and _is_gray(rgb)
+
+
+def _is_gray(rgb: Pixels) -> bool:
+    red, green, blue = rgb[..., 0], rgb[..., 1], rgb[..., 2]
+    return bool((red == green).all() and (green == blue).all())

@@ -1,0 +1,36 @@
+"""Neighboring pixels between which one pigment changes and the other does not (eq. 25)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from facecrf_ocio.settings import Settings
+from facecrf_ocio.values import Bool, Index, PigmentGradients, Pigments
+
+
+def single_pigment_pairs(
+    pigments: Pigments, neighbors: Index, diffuse: Bool, settings: Settings
+) -> PigmentGradients:
+    """Select the pairs in which one density changes much and the other hardly.
+
+    Parameters
+    ----------
+    pigments
+        Densities of all n skin pixels.
+    neighbors
+        (E, 2) pairs of skin pixels.
+    diffuse
+        (n,) pixels that may be used; both of a pair must be.
+    """
+    usable = neighbors[diffuse[neighbors].all(axis=1)]
+    if not len(usable):
+        return PigmentGradients(usable, np.zeros(0, dtype=bool))
+    melanin = np.abs(pigments.melanin[usable[:, 1]] - pigments.melanin[usable[:, 0]])
+    hemoglobin = np.abs(pigments.hemoglobin[usable[:, 1]] - pigments.hemoglobin[usable[:, 0]])
+    limits = [settings.gradient_low, settings.gradient_high]
+    low_melanin, high_melanin = np.quantile(melanin, limits)
+    low_hemoglobin, high_hemoglobin = np.quantile(hemoglobin, limits)
+    melanin_only = (melanin > high_melanin) & (hemoglobin < low_hemoglobin)
+    hemoglobin_only = (melanin < low_melanin) & (hemoglobin > high_hemoglobin)
+    chosen = melanin_only | hemoglobin_only
+    return PigmentGradients(usable[chosen], melanin_only[chosen])

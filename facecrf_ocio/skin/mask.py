@@ -1,0 +1,73 @@
+"""Diffuse skin pixels, found by their hue (sec. 5.1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from facecrf_ocio.settings import Settings
+from facecrf_ocio.values import Bool
+
+HUE_BIN = 2.0
+CLIPPED = 0.98
+BLACK = 0.02
+MIN_SATURATION = 0.02
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SkinMask:
+    """Which pixels of a face are skin.
+
+    Attributes
+    ----------
+    skin
+        (H, W) bare skin of the face's hue, neither clipped nor black.
+    diffuse
+        (H, W) those of `skin` that are neither among the darkest nor the brightest.
+    hue_mode
+        [degree] Most frequent hue P.
+    hue_histogram
+        (180,) share of the bare skin's pixels per bin of two degrees.
+    """
+
+    skin: Bool
+    diffuse: Bool
+    hue_mode: float
+    hue_histogram: npt.NDArray[np.float64]
+
+
+def find_skin(
+    encoded: npt.NDArray[np.float32], bare_skin: Bool, settings: Settings
+) -> SkinMask:
+    """Select skin by hue and brightness.
+
+    Parameters
+    ----------
+    encoded
+        (H, W, 3) float32 in [0, 1].
+    bare_skin
+        (H, W) inside of the face mesh, without eyes, brows, lips and nostrils.
+    """
+    hue, saturation, value = cv2.split(cv2.cvtColor(encoded, cv2.COLOR_RGB2HSV))
+    usable = bare_skin & (value < CLIPPED) & (encoded.min(axis=2) > BLACK)
+    colored = usable & (saturation > MIN_SATURATION)
+    mode, histogram = _hue_mode(hue[colored])
+    distance = np.abs((hue - mode + 180.0) % 360.0 - 180.0)
+    skin = colored & (distance <= settings.hue_half_width)
+    if not skin.any():
+        return SkinMask(skin, skin, mode, histogram)
+    low, high = np.quantile(value[skin], [settings.value_low, settings.value_high])
+    diffuse = skin & (value >= low) & (value <= high)
+    return SkinMask(skin, diffuse, mode, histogram)
+
+
+def _hue_mode(hue: npt.NDArray[np.float32]) -> tuple[float, npt.NDArray[np.float64]]:
+    """Center of the fullest bin of a circular histogram, smoothed over three bins."""
+    bins = int(360.0 / HUE_BIN)
+    counts = np.bincount((hue / HUE_BIN).astype(np.intp) % bins, minlength=bins)
+    smooth = counts + np.roll(counts, 1) + np.roll(counts, -1)
+    share = counts / max(int(counts.sum()), 1)
+    return (float(np.argmax(smooth)) + 0.5) * HUE_BIN, share

@@ -1,0 +1,396 @@
+"""The values that travel through the package: immutable, validated, without algorithms."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from facecrf_ocio.errors import NotCalibratedError, PhotoError, SettingsError
+
+Float = npt.NDArray[np.floating[Any]]
+Bool = npt.NDArray[np.bool_]
+Index = npt.NDArray[np.intp]
+
+CHANNELS = ("R", "G", "B")
+
+
+def frozen(array: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
+    """Return a read-only array of the given type, copied where the caller could still write to it."""
+    result = np.asarray(array, dtype=dtype)
+    if result.flags.writeable:
+        result = result.copy() if isinstance(array, np.ndarray) else result
+        result.flags.writeable = False
+    return result
+
+
+class Outcome(str, Enum):
+    """What came of a calibration."""
+
+    CALIBRATED = "calibrated"
+    ALREADY_LINEAR = "already linear"
+    FALLBACK = "fallback"
+    NOT_CALIBRATED = "not calibrated"
+
+    def __str__(self) -> str:
+        return self.value
+
+
+class Verdict(str, Enum):
+    """How far a curve may be trusted."""
+
+    RELIABLE = "reliable"
+    WEAK = "weak"
+    PRIOR_ONLY = "prior only"
+
+    def __str__(self) -> str:
+        return self.value
+
+
+class Pigment(str, Enum):
+    """The two pigments that color skin (sec. 3 of the paper)."""
+
+    MELANIN = "melanin"
+    HEMOGLOBIN = "hemoglobin"
+
+    def __str__(self) -> str:
+        return self.value
+
+
+@dataclass(frozen=True, slots=True)
+class Primaries:
+    """RGB primaries and white as CIE xy chromaticities, and where they were learned from.
+
+    Attributes
+    ----------
+    name
+        `Rec.709`, `Display P3`, `Adobe RGB`, `Rec.2020`, `ProPhoto`, or `custom`.
+    red, green, blue, white
+        CIE 1931 xy.
+    source
+        `ICC profile`, `EXIF`, `file attribute` or `assumed`.
+    """
+
+    name: str
+    red: tuple[float, float]
+    green: tuple[float, float]
+    blue: tuple[float, float]
+    white: tuple[float, float]
+    source: str
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """What the file says of the camera and the software that made it; empty where it is silent."""
+
+    make: str = ""
+    model: str = ""
+    serial: str = ""
+    software: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Photo:
+    """One photo, upright, as encoded by its camera.
+
+    Attributes
+    ----------
+    encoded
+        (H, W, 3) float32, code values divided by their maximum, [0, 1]; for scene-linear input
+        (camera raw, EXR, HDR) relative linear light, which may exceed 1.
+    bit_depth
+        Bits of the file's integer code values; None for floating point.
+    scene_linear
+        True where the values are proportional to light already.
+    grayscale
+        True where the file has one color channel (repeated in `encoded`).
+    alpha
+        (H, W) float32 in [0, 1], kept aside; None where the file has none.
+    primaries
+        None where the file does not tell.
+    camera
+        What the metadata tell of the camera.
+    path, sha256
+        Source file and the digest of its bytes; None for an array in memory.
+    """
+
+    encoded: npt.NDArray[np.float32]
+    bit_depth: int | None = None
+    scene_linear: bool = False
+    grayscale: bool = False
+    alpha: npt.NDArray[np.float32] | None = None
+    primaries: Primaries | None = None
+    camera: Camera = field(default_factory=Camera)
+    path: Path | None = None
+    sha256: str | None = None
+
+    def __post_init__(self) -> None:
+        given = np.asarray(self.encoded)
+        if given.ndim != 3 or given.shape[2] != 3 or 0 in given.shape:
+            raise PhotoError(
+                self.path,
+                f"an array of shape {given.shape} is not a photo",
+                "give an array of shape (height, width, 3)",
+            )
+        if not np.issubdtype(given.dtype, np.floating):
+            raise PhotoError(
+                self.path,
+                f"code values of type {given.dtype} have no known maximum",
+                "divide them by the maximum code (255 or 65535) and give floats in [0, 1]",
+            )
+        encoded = np.asarray(given, dtype=np.float32)
+        low, high = float(encoded.min()), float(encoded.max())
+        if not (np.isfinite(low) and np.isfinite(high)):
+            raise PhotoError(
+                self.path,
+                "has NaN or infinite pixels",
+                "replace them (oiiotool --fixnan box3) and try again",
+            )
+        if not self.scene_linear and (low < 0.0 or high > 1.0):
+            raise PhotoError(
+                self.path,
+                f"has encoded values from {low:.3g} to {high:.3g}, outside of 0 to 1",
+                "scale them to [0, 1], or pass scene_linear=True if they are linear light",
+            )
+        object.__setattr__(self, "encoded", frozen(encoded, np.float32))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class InverseCRF:
+    """Inverse camera response: from code value to linear light, one curve per channel (eq. 8).
+
+    Attributes
+    ----------
+    encoded
+        (K,) code values, strictly increasing from 0 to 1.
+    linear
+        (3, K) relative linear light, strictly increasing from 0 to 1. Between samples the curve
+        is linear, as every LUT reader will have it.
+    """
+
+    encoded: Float
+    linear: Float
+
+    def __post_init__(self) -> None:
+        encoded = frozen(self.encoded)
+        linear = frozen(self.linear)
+        if encoded.ndim != 1 or encoded.size < 2 or linear.shape != (3, encoded.size):
+            raise SettingsError(
+                f"an inverse CRF needs encoded (K,) and linear (3, K), not {encoded.shape} "
+                f"and {linear.shape}"
+            )
+        if not (np.isfinite(encoded).all() and np.isfinite(linear).all()):
+            raise SettingsError("an inverse CRF must be finite")
+        ends = (encoded[0], encoded[-1], *linear[:, 0], *linear[:, -1])
+        if ends != (0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0):
+            raise SettingsError("an inverse CRF must run from (0, 0) to (1, 1) in every channel")
+        if (np.diff(encoded) <= 0).any() or (np.diff(linear, axis=1) <= 0).any():
+            raise SettingsError("an inverse CRF must increase strictly")
+        object.__setattr__(self, "encoded", encoded)
+        object.__setattr__(self, "linear", linear)
+
+    def linearize(self, encoded: npt.ArrayLike) -> npt.NDArray[np.float32]:
+        """Map code values to linear light.
+
+        Parameters
+        ----------
+        encoded
+            (..., 3) code values; values outside [0, 1] are clamped, as OCIO does.
+
+        Returns
+        -------
+        numpy.ndarray
+            (..., 3) float32, relative linear light in [0, 1].
+        """
+        return self._map(encoded, tuple((self.encoded, curve) for curve in self.linear))
+
+    def encode(self, linear: npt.ArrayLike) -> npt.NDArray[np.float32]:
+        """Map linear light to code values: the exact inverse of `linearize`."""
+        return self._map(linear, tuple((curve, self.encoded) for curve in self.linear))
+
+    def write(self, path: str | Path, *, overwrite: bool = False) -> Path:
+        """Write the curve as the LUT file its suffix names (.spi1d, .cube, .clf).
+
+        The file appears whole or not at all, and is read back through OpenColorIO and compared.
+
+        Raises
+        ------
+        OutputError
+            If the file exists and `overwrite` is false, or it cannot be written.
+        LutError
+            If the suffix is unknown or the file does not read back as written.
+        """
+        # The one import against the grain: the curve is what users hold when they want a file.
+        from facecrf_ocio.export import write_lut  # noqa: PLC0415
+
+        return write_lut(self, Path(path), overwrite=overwrite)
+
+    @staticmethod
+    def _map(values: npt.ArrayLike, tables: tuple[tuple[Float, Float], ...]) -> npt.NDArray[np.float32]:
+        given = np.asarray(values)
+        if given.shape[-1:] != (3,):
+            raise SettingsError(f"expected (..., 3) values, not {given.shape}")
+        result = np.empty(given.shape, np.float32)
+        for channel, (x, y) in enumerate(tables):
+            result[..., channel] = np.interp(given[..., channel], x, y)
+        return result
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Face:
+    """One detected face.
+
+    Attributes
+    ----------
+    box_xy
+        (4,) x, y, width, height in pixels of the upright photo.
+    landmarks_xyz
+        (478, 3) pixels of the upright photo; x right, y down, z toward the scene (away from the
+        camera), in the same unit as x.
+    score
+        Detector score in [0, 1].
+    """
+
+    box_xy: Float
+    landmarks_xyz: Float
+    score: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "box_xy", frozen(self.box_xy))
+        object.__setattr__(self, "landmarks_xyz", frozen(self.landmarks_xyz))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FaceGeometry:
+    """The mesh of one face, rasterized onto an image grid of (H, W) pixels.
+
+    Attributes
+    ----------
+    vertices
+        (V, 3) in pixels of that grid; x right, y down, z away from the camera.
+    triangles
+        (F, 3) vertex indices.
+    normals
+        (H, W, 3) unit normals, x right, y up, z toward the camera; NaN outside of the mesh.
+    bare_skin
+        (H, W) inside the mesh, without eyes, brows, lips and nostrils.
+    """
+
+    vertices: Float
+    triangles: npt.NDArray[np.int32]
+    normals: npt.NDArray[np.float32]
+    bare_skin: Bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pigments:
+    """Pigment densities of the skin and the directions that name them (eq. 24).
+
+    Attributes
+    ----------
+    melanin, hemoglobin
+        (N,) relative optical density of each skin pixel, in units of `directions`.
+    directions
+        (2, 3) unit vectors in log RGB, melanin first, pointing toward *less* light (negative
+        for absorption).
+    """
+
+    melanin: Float
+    hemoglobin: Float
+    directions: Float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PigmentGradients:
+    """Neighboring skin pixels that differ in one pigment alone (eq. 25).
+
+    Attributes
+    ----------
+    pairs
+        (N, 2) indices of both pixels into the face's list of pixels.
+    is_melanin
+        (N,) True where melanin alone changes, False where hemoglobin alone does.
+    """
+
+    pairs: Index
+    is_melanin: Bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Confidence:
+    """How far an estimate may be trusted.
+
+    Attributes
+    ----------
+    sigma
+        (3, K) standard deviation of `linear` at each code of the curve.
+    coverage
+        (3, K) share of the photo's evidence at or near each code, [0, 1].
+    verdict
+        In one word.
+    reasons
+        In sentences.
+    """
+
+    sigma: Float
+    coverage: Float
+    verdict: Verdict
+    reasons: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Estimate:
+    """What a calibration found, or why it found nothing.
+
+    Attributes
+    ----------
+    outcome
+        Whether there is a curve and what it rests on.
+    estimator
+        Name of the estimator that made it.
+    reason
+        One sentence on the outcome.
+    remedy
+        What the user can do, empty if nothing needs doing.
+    confidence
+        None where there is no curve.
+    coefficients
+        (3, M) coefficients of the response model (eq. 9), None where none were fitted.
+    energy
+        Value of each energy term at the solution, weighted as minimized (eq. 22).
+    faces
+        The faces used.
+    found
+        The curve, or None; `curve` is the same and raises instead of returning None.
+    assumptions
+        What had to be taken for granted, in sentences.
+    """
+
+    outcome: Outcome
+    estimator: str
+    reason: str
+    remedy: str = ""
+    found: InverseCRF | None = None
+    confidence: Confidence | None = None
+    coefficients: Float | None = None
+    energy: Mapping[str, float] = field(default_factory=dict)
+    faces: tuple[Face, ...] = ()
+    assumptions: tuple[str, ...] = ()
+
+    @property
+    def curve(self) -> InverseCRF:
+        """The inverse CRF.
+
+        Raises
+        ------
+        NotCalibratedError
+            If the photo could not be calibrated; the text says why and what to do.
+        """
+        if self.found is None:
+            raise NotCalibratedError(f"no curve: {self.reason}; {self.remedy}")
+        return self.found

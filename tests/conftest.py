@@ -1,0 +1,18 @@
+"""Shared fixtures."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def development_data() -> Path:
+    """Folder of the development data, which the project does not ship."""
+    default = Path(__file__).resolve().parents[2] / "shared" / "data"
+    folder = Path(os.environ.get("FACECRF_DATA", default))
+    if not (folder / "crf").is_dir():
+        pytest.skip(f"development data are not in {folder}; set FACECRF_DATA")
+    return folder

@@ -1,0 +1,199 @@
+"""Scene-linear EXR files, against the curve itself and against `oiiotool`."""
+
+from __future__ import annotations
+
+import resource
+import signal
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813
+import pytest
+from photo_files import CURVE, matrix_profile, oiiotool, pixels_of, random_codes, write, write_spi1d
+from PIL import Image
+
+from facecrf_ocio.apply import apply_lut, linearize_photo, write_exr
+from facecrf_ocio.errors import OutputError, SettingsError
+from facecrf_ocio.profile import KNOWN_PRIMARIES
+from facecrf_ocio.read import read_photo
+from facecrf_ocio.values import Photo
+
+
+def header_of(path: Path) -> Any:
+    return oiio.ImageBuf(str(path)).spec()
+
+
+@pytest.fixture
+def jpeg(tmp_path: Path) -> Path:
+    return write(
+        tmp_path / "photo.jpg",
+        random_codes(),
+        oiio.UINT8,
+        Make="ACME",
+        Model="X 1",
+        Software="camera 1.0",
+        DateTime="2020:01:02 03:04:05",
+        ExposureTime=0.01,
+        Exif__PhotographicSensitivity=200,
+        Exif__ColorSpace=1,
+        Orientation=6,
+    )
+
+
+class TestExr:
+    def test_equals_oiiotool_within_half_precision(self, tmp_path: Path) -> None:
+        photo = read_photo(write(tmp_path / "a.png", random_codes(), oiio.UINT8))
+        lut = write_spi1d(tmp_path / "a.spi1d")
+        assert photo.path is not None
+        expected = oiiotool(photo.path, lut, tmp_path / "expected.exr")
+        path = write_exr(tmp_path / "a.exr", apply_lut(photo, lut), photo, provenance={})
+        assert header_of(path).format.basetype == oiio.HALF
+        assert np.allclose(pixels_of(path), expected, rtol=2**-10, atol=2**-24)
+
+    @pytest.mark.parametrize("compression", ["none", "zip", "zips", "piz", "rle"])
+    def test_floats_are_exact(self, tmp_path: Path, compression: str) -> None:
+        photo = Photo((random_codes() / 255).astype(np.float32))
+        linear = linearize_photo(photo, CURVE)
+        path = tmp_path / "a.exr"
+        write_exr(path, linear, photo, provenance={}, half=False, compression=compression)
+        assert np.array_equal(pixels_of(path), linear)
+        assert header_of(path).get_string_attribute("compression") == compression
+
+    def test_half_is_clamped_to_its_largest_value(self, tmp_path: Path) -> None:
+        photo = Photo(np.full((2, 2, 3), 1e6, np.float32), scene_linear=True)
+        write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={})
+        assert (pixels_of(tmp_path / "a.exr") == 65504).all()
+
+    def test_colors_are_multiplied_by_alpha(self, tmp_path: Path) -> None:
+        Image.fromarray(random_codes(4)).save(tmp_path / "a.png")
+        photo = read_photo(tmp_path / "a.png")
+        linear = linearize_photo(photo, CURVE)
+        path = write_exr(tmp_path / "a.exr", linear, photo, provenance={}, half=False)
+        assert photo.alpha is not None
+        assert header_of(path).channelnames == ("R", "G", "B", "A")
+        assert np.array_equal(pixels_of(path)[..., 3], photo.alpha)
+        assert np.array_equal(pixels_of(path)[..., :3], linear * photo.alpha[..., None])
+
+    def test_reads_back_as_the_scene_linear_photo_it_is(self, tmp_path: Path) -> None:
+        icc = matrix_profile(*KNOWN_PRIMARIES["Rec.2020"])
+        Image.fromarray(random_codes()).save(tmp_path / "a.png", icc_profile=icc)
+        photo = read_photo(tmp_path / "a.png")
+        linear = linearize_photo(photo, CURVE)
+        write_exr(tmp_path / "a.exr", linear, photo, provenance={}, half=False)
+        again = read_photo(tmp_path / "a.exr")
+        assert again.scene_linear
+        assert again.primaries is not None
+        assert again.primaries.name == "Rec.2020"
+        assert np.array_equal(again.encoded, linear)
+
+
+class TestMetadata:
+    def test_what_still_holds_is_kept(self, tmp_path: Path, jpeg: Path) -> None:
+        photo = read_photo(jpeg)
+        path = write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={"lut": "a.spi1d"})
+        header = header_of(path)
+        assert header.get_string_attribute("Make") == "ACME"
+        assert header.get_string_attribute("Model") == "X 1"
+        assert header.get_string_attribute("DateTime") == "2020:01:02 03:04:05"
+        assert header.get_float_attribute("ExposureTime") == pytest.approx(0.01, rel=2e-4)
+        assert header.get_int_attribute("Exif:PhotographicSensitivity") == 200
+        assert header.get_string_attribute("facecrf:lut") == "a.spi1d"
+
+    def test_what_holds_no_longer_is_dropped(self, tmp_path: Path) -> None:
+        icc = matrix_profile(*KNOWN_PRIMARIES["Display P3"])
+        exif = Image.Exif()
+        exif[0x0112] = 6
+        Image.fromarray(random_codes()).save(tmp_path / "a.jpg", icc_profile=icc, exif=exif)
+        photo = read_photo(tmp_path / "a.jpg")
+        header = header_of(write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={}))
+        assert header.get_int_attribute("Orientation") == 1
+        assert (header.height, header.width) == photo.encoded.shape[:2]
+        for attribute in header.extra_attribs:
+            assert not attribute.name.startswith(("ICCProfile", "jpeg:", "thumbnail", "Exif:Color"))
+
+    @pytest.mark.parametrize(
+        ("name", "interop_id"),
+        [
+            ("Rec.709", "lin_rec709_scene"),
+            ("Display P3", "lin_p3d65_scene"),
+            ("Rec.2020", "lin_rec2020_scene"),
+            ("Adobe RGB", "lin_adobergb_scene"),
+            ("ProPhoto", "unknown"),
+        ],
+    )
+    def test_primaries(self, tmp_path: Path, name: str, interop_id: str) -> None:
+        icc = matrix_profile(*KNOWN_PRIMARIES[name])
+        Image.fromarray(random_codes()).save(tmp_path / "a.png", icc_profile=icc)
+        photo = read_photo(tmp_path / "a.png")
+        header = header_of(write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={}))
+        assert header.get_string_attribute("colorInteropID") == interop_id
+        assert header.get_string_attribute("facecrf:primaries") == f"{name} by ICC profile"
+        expected = np.ravel(KNOWN_PRIMARIES[name])
+        assert np.allclose(header.getattribute("chromaticities"), expected, atol=1e-6)
+
+    def test_assumed_primaries_say_so(self, tmp_path: Path) -> None:
+        photo = Photo(np.zeros((2, 3, 3), np.float32))
+        header = header_of(write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={}))
+        assert header.get_string_attribute("facecrf:primaries") == "assumed Rec.709"
+        assert header.get_string_attribute("colorInteropID") == "lin_rec709_scene"
+
+    def test_the_source_may_be_gone(self, tmp_path: Path, jpeg: Path) -> None:
+        photo = read_photo(jpeg)
+        jpeg.unlink()
+        assert write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={}).exists()
+        assert oiio.geterror() == ""
+
+
+class TestRefusals:
+    """A file appears whole or not at all."""
+
+    photo = Photo(np.random.default_rng(9).random((64, 64, 3), np.float32))
+
+    def write(self, path: Path, **options: Any) -> Path:
+        return write_exr(path, self.photo.encoded, self.photo, provenance={}, **options)
+
+    def test_existing_file(self, tmp_path: Path) -> None:
+        (tmp_path / "a.exr").write_text("mine")
+        with pytest.raises(OutputError, match=r"a\.exr: exists already"):
+            self.write(tmp_path / "a.exr")
+        assert (tmp_path / "a.exr").read_text() == "mine"
+        self.write(tmp_path / "a.exr", overwrite=True)
+        assert pixels_of(tmp_path / "a.exr").shape == (64, 64, 3)
+
+    def test_the_photo_itself_is_never_replaced(self, tmp_path: Path) -> None:
+        photo = read_photo(self.write(tmp_path / "a.exr"))
+        before = (tmp_path / "a.exr").read_bytes()
+        with pytest.raises(OutputError, match="is the photo itself"):
+            write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={}, overwrite=True)
+        assert (tmp_path / "a.exr").read_bytes() == before
+
+    def test_missing_folder(self, tmp_path: Path) -> None:
+        with pytest.raises(OutputError, match="cannot be written"):
+            self.write(tmp_path / "missing" / "a.exr")
+        assert not (tmp_path / "missing").exists()
+
+    def test_other_suffix(self, tmp_path: Path) -> None:
+        with pytest.raises(OutputError, match=r"suffix \.exr"):
+            self.write(tmp_path / "a.png")
+
+    def test_pixels_of_another_photo(self, tmp_path: Path) -> None:
+        with pytest.raises(SettingsError, match="do not belong"):
+            write_exr(tmp_path / "a.exr", np.zeros((2, 2, 3), "f"), self.photo, provenance={})
+
+    @pytest.mark.parametrize("limit", [0, 2000, 20000])
+    def test_full_disk(self, tmp_path: Path, limit: int) -> None:
+        former = resource.getrlimit(resource.RLIMIT_FSIZE)
+        handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        try:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (limit, former[1]))
+            with pytest.raises(OutputError, match="cannot be written"):
+                self.write(tmp_path / "a.exr")
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, former)
+            signal.signal(signal.SIGXFSZ, handler)
+        assert list(tmp_path.iterdir()) == []
+
+    def test_nothing_else_is_left_in_the_folder(self, tmp_path: Path) -> None:
+        self.write(tmp_path / "a.exr")
+        assert [path.name for path in tmp_path.iterdir()] == ["a.exr"]

@@ -1,0 +1,235 @@
+"""The sidecar says all there is to say, in JSON that any reader accepts."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+
+from facecrf_ocio.errors import LutError, OutputError
+from facecrf_ocio.export import read_sidecar, write_sidecar
+from facecrf_ocio.settings import Settings
+from facecrf_ocio.values import (
+    Camera,
+    Confidence,
+    Estimate,
+    Face,
+    InverseCRF,
+    Outcome,
+    Photo,
+    Primaries,
+    Verdict,
+)
+
+CODES = np.linspace(0.0, 1.0, 256)
+REC709 = Primaries("Rec.709", (0.64, 0.33), (0.3, 0.6), (0.15, 0.06), (0.3127, 0.329), "assumed")
+
+
+def photo(name: str = "a.jpg", **changes: Any) -> Photo:
+    known = Photo(
+        np.zeros((20, 30, 3), np.float32),
+        bit_depth=8,
+        primaries=REC709,
+        camera=Camera("Nikon", "D800", "42", "Ver. 1.0"),
+        path=Path("somewhere") / name,
+        sha256="ab" * 32,
+    )
+    return replace(known, **changes)
+
+
+def estimate(**changes: Any) -> Estimate:
+    rng = np.random.default_rng(1)
+    known = Estimate(
+        outcome=Outcome.CALIBRATED,
+        estimator="face",
+        reason="1 face gave 123 pairs",
+        found=InverseCRF(CODES, np.stack([CODES**2.2, CODES**2.4, CODES ** (1 / 3)])),
+        confidence=Confidence(
+            rng.random((3, 256)), rng.random((3, 256)), Verdict.WEAK, ("few pairs", "dark")
+        ),
+        coefficients=rng.normal(size=(3, 5)),
+        energy={"E_p": 1.5, "E_G": -2.0, "E_m": 0.0},
+        faces=(Face(np.array([1.5, 2.0, 100.0, 120.0]), np.zeros((478, 3)), 0.875),),
+        assumptions=("primaries are those of Rec.709", "exposure is known up to a factor"),
+    )
+    return replace(known, **changes)
+
+
+def not_calibrated() -> Estimate:
+    return Estimate(Outcome.NOT_CALIBRATED, "face", "no face was found", "give a photo with a face")
+
+
+def refuse(constant: str) -> None:
+    pytest.fail(f"{constant} is not JSON")
+
+
+def test_the_curve_comes_back_to_the_last_digit(tmp_path: Path) -> None:
+    given_estimate = estimate()
+    back = read_sidecar(write_sidecar(tmp_path / "a.crf.json", photo(), given_estimate, Settings()))
+    assert back.curve is not None
+    np.testing.assert_array_equal(back.curve.encoded, given_estimate.curve.encoded)
+    np.testing.assert_array_equal(back.curve.linear, given_estimate.curve.linear)
+    np.testing.assert_array_equal(back.coefficients, given_estimate.coefficients)
+
+
+@hypothesis_settings(max_examples=20, deadline=None)
+@given(inner=st.lists(st.floats(1e-300, 1 - 1e-9), min_size=1, max_size=30, unique=True))
+def test_any_curve_comes_back_to_the_last_digit(
+    inner: list[float], tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    samples = np.array([0.0, *sorted(inner), 1.0])
+    curve = InverseCRF(samples, np.stack([samples] * 3))
+    path = tmp_path_factory.mktemp("sidecar") / "a.crf.json"
+    back = read_sidecar(write_sidecar(path, photo(), estimate(found=curve), Settings())).curve
+    assert back is not None
+    np.testing.assert_array_equal(back.encoded, samples)
+    np.testing.assert_array_equal(back.linear, curve.linear)
+
+
+def test_everything_else_comes_back_too(tmp_path: Path) -> None:
+    settings = Settings(shared_curve=True, face_width=200)
+    path = write_sidecar(
+        tmp_path / "a.crf.json", photo(), estimate(), settings, luts=[tmp_path / "a.spi1d"]
+    )
+    back = read_sidecar(path)
+    assert (back.outcome, back.estimator) == (Outcome.CALIBRATED, "face")
+    assert (back.reason, back.remedy) == ("1 face gave 123 pairs", "")
+    assert back.energy == {"E_p": 1.5, "E_G": -2.0, "E_m": 0.0}
+    assert [(face.box_xy, face.score) for face in back.faces] == [((1.5, 2, 100, 120), 0.875)]
+    assert back.assumptions == estimate().assumptions
+    assert Settings(**back.settings) == settings  # type: ignore[arg-type]
+    assert back.luts == ("a.spi1d",)
+    source = back.source
+    assert (source.name, source.sha256) == ("a.jpg", "ab" * 32)
+    assert (source.width, source.height, source.bit_depth) == (30, 20, 8)
+    assert (source.camera, source.primaries) == (photo().camera, REC709)
+
+
+def test_confidence_comes_back_to_six_digits(tmp_path: Path) -> None:
+    path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
+    back, known = read_sidecar(path).confidence, estimate().confidence
+    assert back is not None
+    assert known is not None
+    assert (back.verdict, back.reasons) == (Verdict.WEAK, ("few pairs", "dark"))
+    np.testing.assert_allclose(back.sigma, known.sigma, rtol=1e-5)
+    np.testing.assert_allclose(back.coverage, known.coverage, rtol=1e-5)
+
+
+def test_versions_of_what_made_it_are_told(tmp_path: Path) -> None:
+    path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
+    versions = read_sidecar(path).versions
+    assert versions["numpy"] == np.__version__
+    assert {"facecrf_ocio", "python", "OpenColorIO", "OpenImageIO", "scipy", "OpenCV"} <= set(
+        versions
+    )
+
+
+def test_a_photo_that_could_not_be_calibrated_has_a_sidecar_too(tmp_path: Path) -> None:
+    path = write_sidecar(tmp_path / "a.crf.json", photo(), not_calibrated(), Settings())
+    back = read_sidecar(path)
+    assert (back.outcome, back.curve) == (Outcome.NOT_CALIBRATED, None)
+    assert (back.confidence, back.coefficients, back.faces) == (None, None, ())
+    assert (back.reason, back.remedy) == ("no face was found", "give a photo with a face")
+
+
+def test_a_photo_in_memory_has_one_too(tmp_path: Path) -> None:
+    bare = Photo(np.zeros((2, 3, 3), np.float32))
+    back = read_sidecar(write_sidecar(tmp_path / "a.crf.json", bare, estimate(), Settings()))
+    assert (back.source.name, back.source.sha256, back.source.primaries) == (None, None, None)
+
+
+def test_every_field_of_photo_estimate_and_settings_is_told(tmp_path: Path) -> None:
+    path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
+    record = json.loads(path.read_text("utf-8"))
+    assert record["settings"] == asdict(Settings())
+    renamed = {"found": "curve"}
+    assert {renamed.get(f.name, f.name) for f in fields(Estimate)} <= set(record)
+    untold = {"encoded", "alpha"}  # pixels
+    renamed = {"path": "name"}
+    told = set(record["source"])
+    assert {renamed.get(f.name, f.name) for f in fields(Photo)} - untold <= told
+
+
+def test_the_file_is_strict_json_even_where_numbers_are_not_finite(tmp_path: Path) -> None:
+    confidence = Confidence(
+        np.full((3, 4), np.nan), np.full((3, 4), np.inf), Verdict.PRIOR_ONLY, ()
+    )
+    odd = estimate(energy={"E_p": np.float64("nan"), "E_m": np.float32(2)}, confidence=confidence)
+    path = write_sidecar(tmp_path / "a.crf.json", photo(), odd, Settings())
+    record = json.loads(path.read_bytes().decode("utf-8"), parse_constant=refuse)
+    assert record["energy"] == {"E_p": None, "E_m": 2.0}
+    back = read_sidecar(path)
+    assert np.isnan(back.energy["E_p"])
+    assert back.confidence is not None
+    assert np.isnan(back.confidence.sigma).all()
+
+
+@pytest.mark.parametrize("name", ["Zoë 日本 🙂.jpg", 'a "b" $c\\d\n\x00.jpg', "bytes \udcff.jpg"])
+def test_any_name_of_a_photo_comes_back(name: str, tmp_path: Path) -> None:
+    path = write_sidecar(tmp_path / "a.crf.json", photo(name), estimate(), Settings())
+    assert read_sidecar(path).source.name == name
+    json.loads(path.read_bytes().decode("utf-8"), parse_constant=refuse)
+
+
+def test_an_existing_sidecar_stays_unless_overwriting_is_asked_for(tmp_path: Path) -> None:
+    path = write_sidecar(tmp_path / "a.crf.json", photo(), not_calibrated(), Settings())
+    with pytest.raises(OutputError, match=r"a\.crf\.json: exists already; pass --overwrite"):
+        write_sidecar(path, photo(), estimate(), Settings())
+    assert read_sidecar(path).curve is None
+    write_sidecar(path, photo(), estimate(), Settings(), overwrite=True)
+    assert read_sidecar(path).curve is not None
+
+
+def damaged(path: Path, **changes: Any) -> Path:
+    record = json.loads(path.read_text("utf-8"))
+    path.write_text(json.dumps({**record, **changes}))
+    return path
+
+
+BAD_RECORDS: dict[str, dict[str, Any]] = {
+    "another schema": {"schema": "other"},
+    "a falling curve": {"curve": {"encoded": [0, 0.5, 1], "linear": [[0, 2, 1]] * 3}},
+    "a curve with a hole": {"curve": {"encoded": [0, None, 1], "linear": [[0, 0.5, 1]] * 3}},
+    "a curve of text": {"curve": {"encoded": "abc", "linear": [[0, 1]] * 3}},
+    "an unknown outcome": {"outcome": "splendid"},
+    "a list for a mapping": {"energy": [1, 2]},
+    "no source": {"source": None},
+    "NaN": {"energy": {"E_p": float("nan")}},
+}
+
+
+@pytest.mark.parametrize("name", BAD_RECORDS)
+def test_a_changed_sidecar_is_told_in_one_line(name: str, tmp_path: Path) -> None:
+    path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
+    with pytest.raises(LutError, match=r"a\.crf\.json: is not a sidecar of facecrf") as caught:
+        read_sidecar(damaged(path, **BAD_RECORDS[name]))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"{", b"[]", b"null", b"\xff\xfe", b"{}", b"[" * 100000, b'{"schema": 1}']
+)
+def test_other_files_are_told_in_one_line(content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "a.crf.json"
+    path.write_bytes(content)
+    with pytest.raises(LutError, match=r"a\.crf\.json: is not a sidecar of facecrf") as caught:
+        read_sidecar(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_newer_sidecar_asks_for_an_update(tmp_path: Path) -> None:
+    path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
+    with pytest.raises(LutError, match="was written by a newer facecrf; update"):
+        read_sidecar(damaged(path, schema_version=2))
+
+
+def test_a_missing_sidecar_is_told(tmp_path: Path) -> None:
+    with pytest.raises(LutError, match=r"a\.crf\.json: cannot be read: no such file"):
+        read_sidecar(tmp_path / "a.crf.json")

@@ -1,0 +1,73 @@
+"""The vendored models are the ones their README names, and their licenses are with them."""
+
+from __future__ import annotations
+
+import hashlib
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from facecrf_ocio.face import regions
+from facecrf_ocio.face.geometry import mesh_triangles
+from facecrf_ocio.face.networks import MODELS, load_network
+
+SUMS = dict(
+    reversed(line.split())
+    for line in (MODELS / "SHA256SUMS").read_text(encoding="ascii").splitlines()
+)
+WEIGHTS = sorted(p.name for p in MODELS.iterdir() if p.suffix in {".onnx", ".tflite", ".npz"})
+
+
+def test_every_model_is_listed():
+    assert sorted(SUMS) == WEIGHTS
+    readme = (MODELS / "README.md").read_text(encoding="utf-8")
+    assert all(f"`{name}`" in readme for name in WEIGHTS)
+
+
+@pytest.mark.parametrize("name", WEIGHTS)
+def test_digest_holds(name):
+    assert hashlib.sha256((MODELS / name).read_bytes()).hexdigest() == SUMS[name]
+
+
+def test_licenses_are_shipped():
+    mit = (MODELS / "LICENSE.YuNet").read_text(encoding="utf-8")
+    assert "Shenzhen Institute of Artificial Intelligence and Robotics for Society" in mit
+    apache = (MODELS / "LICENSE.MediaPipe").read_text(encoding="utf-8")
+    assert "Version 2.0, January 2004" in apache
+    assert "END OF TERMS AND CONDITIONS" in apache
+
+
+def test_a_network_is_loaded_once():
+    names = ("face_landmarks_detector.tflite", "Identity", "Identity_1")
+    assert load_network(*names) is load_network(*names)
+
+
+def test_mesh_is_one_disk_that_faces_the_camera():
+    triangles = mesh_triangles()
+    edges = {(a, b) for t in triangles.tolist() for a, b in zip(t, t[1:] + t[:1], strict=True)}
+    assert len(edges) == 3 * len(triangles)  # no edge is walked twice the same way
+    undirected = {frozenset(edge) for edge in edges}
+    assert 468 - len(undirected) + len(triangles) == 1  # Euler characteristic of a disk
+    with np.load(MODELS / "canonical_face_mesh.npz") as mesh:
+        corners = mesh["vertices_cm"][triangles]
+    area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(axis=0)
+    assert area[2] > 10 * np.abs(area[:2]).max()
+
+
+@pytest.mark.parametrize("region", ["EYE", "LIDS", "BROW", "NOSTRIL"])
+def test_right_and_left_regions_mirror_each_other(region):
+    with np.load(MODELS / "canonical_face_mesh.npz") as mesh:
+        vertices = mesh["vertices_cm"]
+    right, left = (vertices[list(getattr(regions, f"{s}_{region}"))] for s in ("RIGHT", "LEFT"))
+    assert np.allclose(right * (-1.0, 1.0, 1.0), left, atol=0.02)
+    assert (right[:, 0] < 0).all()
+
+
+def test_features_are_in_their_order_from_brow_to_lips():
+    with np.load(MODELS / "canonical_face_mesh.npz") as mesh:
+        y = mesh["vertices_cm"][:, 1]
+    names = ("RIGHT_BROW", "RIGHT_EYE", "RIGHT_NOSTRIL", "LIPS")
+    heights = [y[list(getattr(regions, name))] for name in names]
+    for above, below in pairwise(heights):
+        assert above.min() > below.max()
