@@ -102,7 +102,7 @@ def _conclude(
         Weighted("monotonicity", settings.monotonicity_weight, Monotonicity()),
         *answer.terms,
     )
-    solution = solve(model, objective, shared=settings.shared_curve, starts=_starts(model))
+    solution = solve(model, objective, shared=settings.shared_curve)
     return Estimate(
         Outcome.CALIBRATED,
         name,
@@ -114,11 +114,6 @@ def _conclude(
         faces=answer.faces,
         assumptions=_assumptions(photo),
     )
-
-
-def _starts(model: ResponseModel) -> Float:
-    """The mean curve, and the center of each component of the prior."""
-    return np.vstack([np.zeros(len(model.basis)), model.mixture.means])
 
 
 def _already_linear(photo: Photo) -> Estimate:

@@ -37,7 +37,7 @@ class Solution:
     converged
         Whether the solver met its tolerance before its limit of iterations.
     evaluations
-        Number of evaluations of the objective, over all starts.
+        Number of evaluations of the objective.
     """
 
     coefficients: Float
@@ -51,10 +51,12 @@ class Solution:
         return sum(value for _, value in self.energy)
 
 
-def solve(
-    model: ResponseModel, terms: Sequence[Weighted], *, shared: bool, starts: Float
-) -> Solution:
-    """Minimize by L-BFGS from each start and return the best.
+def solve(model: ResponseModel, terms: Sequence[Weighted], *, shared: bool) -> Solution:
+    """Minimize by L-BFGS from the mean curve.
+
+    With the paper's weights the objective has many minima. The lowest, which other starts find,
+    are worse curves than the one nearest to the mean: E_p has trivial minima, such as curves so
+    steep in the code values of one channel that its row alone makes up the matrix.
 
     Parameters
     ----------
@@ -64,13 +66,31 @@ def solve(
         The objective.
     shared
         One set of coefficients for all three channels, instead of one for each.
-    starts
-        (S, M) coefficients to start from, the same in every channel.
     """
-    solutions = [_descend(model, terms, shared, start) for start in starts]
-    best = min(solutions, key=lambda solution: solution.total)
-    evaluations = sum(solution.evaluations for solution in solutions)
-    return Solution(best.coefficients, best.energy, best.converged, evaluations)
+    size = len(model.basis)
+    # Steps are taken in units of each coefficient's spread: they differ by a factor of forty.
+    scale = np.sqrt(np.diagonal(model.mixture.covariances, axis1=1, axis2=2).mean(axis=0))
+    rows = 1 if shared else len(CHANNELS)
+
+    def unpack(unknowns: Float) -> Float:
+        return np.broadcast_to(unknowns.reshape(rows, size) * scale, (len(CHANNELS), size))
+
+    def evaluate(unknowns: Float) -> tuple[float, Float]:
+        value, gradient = objective(model, terms, unpack(unknowns))
+        by_free = gradient.sum(axis=0, keepdims=True) if shared else gradient
+        return value, (by_free * scale).ravel()
+
+    result = minimize(
+        evaluate,
+        np.zeros(rows * size),
+        jac=True,
+        method="L-BFGS-B",
+        options={"maxiter": MAX_ITERATIONS, "maxcor": 20},
+    )
+    coefficients = np.array(unpack(result.x))
+    samples = model.samples(coefficients)
+    energy = tuple((t.name, t.weight * t.term.value_and_gradient(samples)[0]) for t in terms)
+    return Solution(coefficients, energy, bool(result.success), int(result.nfev))
 
 
 def objective(
@@ -84,33 +104,3 @@ def objective(
         value += weighted.weight * term_value
         by_samples += weighted.weight * term_gradient
     return value, by_samples @ model.basis.T
-
-
-def _descend(
-    model: ResponseModel, terms: Sequence[Weighted], shared: bool, start: Float
-) -> Solution:
-    size = len(model.basis)
-    # Steps are taken in units of each coefficient's spread: it differs by a factor of forty.
-    scale = np.sqrt(np.diagonal(model.mixture.covariances, axis1=1, axis2=2).mean(axis=0))
-    rows = 1 if shared else len(CHANNELS)
-
-    def unpack(unknowns: Float) -> Float:
-        free = unknowns.reshape(rows, size) * scale
-        return np.broadcast_to(free, (len(CHANNELS), size))
-
-    def evaluate(unknowns: Float) -> tuple[float, Float]:
-        value, gradient = objective(model, terms, unpack(unknowns))
-        by_free = gradient.sum(axis=0, keepdims=True) if shared else gradient
-        return value, (by_free * scale).ravel()
-
-    result = minimize(
-        evaluate,
-        np.tile(start / scale, rows),
-        jac=True,
-        method="L-BFGS-B",
-        options={"maxiter": MAX_ITERATIONS, "maxcor": 20},
-    )
-    coefficients = np.array(unpack(result.x))
-    samples = model.samples(coefficients)
-    energy = tuple((t.name, t.weight * t.term.value_and_gradient(samples)[0]) for t in terms)
-    return Solution(coefficients, energy, bool(result.success), int(result.nfev))

@@ -159,7 +159,7 @@ def test_both_detectors_agree():
 
 
 def test_portraits_have_one_face_each(development_data):
-    """All were looked at: one person in front; the crowd behind fr_biden2 is out of focus."""
+    """YuNet also sees one in the painting behind fr_biden2, which the landmarks refuse."""
     paths = [
         p for p in (development_data / "faces/encoded").iterdir() if p.suffix in {".jpg", ".png"}
     ]

@@ -69,7 +69,7 @@ def test_normals_are_unit_and_nan_outside(portrait):
 
 
 def test_normals_follow_the_sides_of_a_face(portrait):
-    """Subject's right cheek looks to the left of the photo, and the chin further down than the forehead."""
+    """The subject's right cheek looks to the left of the photo, and the chin down."""
     geometry = face_geometry(portrait, grace_hopper().shape[:2])
 
     def normal_at(vertex):

@@ -12,15 +12,17 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from facecrf_ocio.cues.evidence import Lacking
 from facecrf_ocio.energy.color_blend import EdgeBlends
-from facecrf_ocio.values import Bool, Float, Index
+from facecrf_ocio.values import Float, Index, Photo
 
 WINDOW = 15
-CANNY_THRESHOLDS = (30.0, 60.0)
-EDGE_BAND = 7
+CANNY_THRESHOLDS = (50.0, 100.0)
+EDGE_BAND = 5
+SPACING = 7
 MAX_WINDOWS = 20_000
 MIN_REGION_SHARE = 0.15
-MAX_DEVIATION = 5.0 / 255.0
+MAX_DEVIATION = 10.0 / 255.0
 MIN_CONTRAST = 25.0 / 255.0
 MIN_CONTRAST_TO_DEVIATION = 8.0
 MIN_HUE_CONTRAST = 10.0 / 255.0
@@ -29,6 +31,7 @@ BLEND_MARGIN = 0.06
 TOLERANCE = 1.5 / 255.0
 MIN_BLENDS = 3
 MAX_BLENDS = 12
+MIN_PATCHES = 10
 
 Labels = npt.NDArray[np.int32]
 
@@ -101,6 +104,23 @@ def gather_blends(patches: list[EdgePatch]) -> EdgeBlends:
     )
 
 
+def lacking_patches(photo: Photo, count: int) -> Lacking | None:
+    """Why a photo with so many edge patches cannot be calibrated by them; None where it can."""
+    if photo.grayscale:
+        return Lacking(
+            "the photo is grayscale, and color blends show only in color",
+            "use a color version, or --fallback mean",
+        )
+    if count < MIN_PATCHES:
+        return Lacking(
+            f"the photo shows too few clean edges between two uniform colors ({count}, "
+            f"{MIN_PATCHES} are needed)",
+            "use a sharp photo with flat, differently colored surfaces, not sharpened or scaled, "
+            "or --fallback mean",
+        )
+    return None
+
+
 def _quality(patch: EdgePatch) -> float:
     return patch.contrast / (patch.deviation + 1.0 / 255.0)
 
@@ -113,7 +133,7 @@ def _edge_map(encoded: npt.NDArray[np.float32]) -> npt.NDArray[np.uint8]:
 
 
 def _candidate_corners(edges: npt.NDArray[np.uint8]) -> Index:
-    """Corners (N, 2) as row and column of windows about edge pixels, one for each cell of a grid.
+    """Corners (N, 2) as row and column of windows about edge pixels, one a cell of a grid.
 
     Where a photo has more than `MAX_WINDOWS`, every n-th is kept.
     """
@@ -121,7 +141,7 @@ def _candidate_corners(edges: npt.NDArray[np.uint8]) -> Index:
     length = cv2.boxFilter(edges, cv2.CV_16S, (WINDOW, WINDOW), normalize=False)
     inner = (edges > 0) & (length >= WINDOW - 2) & (length <= 2 * WINDOW)
     rows, columns = np.nonzero(inner[half:-half, half:-half])
-    cells = (rows // WINDOW) * edges.shape[1] + columns // WINDOW
+    cells = (rows // SPACING) * edges.shape[1] + columns // SPACING
     _, first = np.unique(cells, return_index=True)
     stride = -(-len(first) // MAX_WINDOWS) if len(first) else 1
     chosen = first[::stride]
@@ -201,10 +221,11 @@ def _blended_pixels(pixels: Float, regions: Float, deviation: float) -> Float | 
     return np.asarray(blends[spread])
 
 
-def _in_step(blends: Float, regions: Float, tolerance: float) -> Bool:
+def _in_step(blends: Float, regions: Float, tolerance: float) -> bool:
     """Whether no channel falls back while the leading channel goes on."""
     forward = blends * np.sign(regions[1] - regions[0])
-    return np.bool_((np.maximum.accumulate(forward, axis=0) - forward).max() <= 2.0 * tolerance)
+    fallback = np.maximum.accumulate(forward, axis=0) - forward
+    return float(fallback.max()) <= 2.0 * tolerance
 
 
 def _without_overlap(patches: list[EdgePatch]) -> list[EdgePatch]:
