@@ -32,7 +32,14 @@ _HOME = {
     "read_photo": "read",
     "Settings": "settings",
     **dict.fromkeys(
-        ("FaceCRFError", "LutError", "NotCalibratedError", "OutputError", "PhotoError", "SettingsError"),
+        (
+            "FaceCRFError",
+            "LutError",
+            "NotCalibratedError",
+            "OutputError",
+            "PhotoError",
+            "SettingsError",
+        ),
         "errors",
     ),
     **dict.fromkeys(
@@ -41,7 +48,10 @@ _HOME = {
     ),
 }
 
-__all__ = [*sorted(_HOME), "__version__"]
+__all__ = [  # noqa: PLE0604
+    *sorted(_HOME),
+    "__version__",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -26,7 +26,7 @@ from facecrf_ocio.response.model import (
 )
 from facecrf_ocio.settings import ESTIMATOR_NAMES, FALLBACKS, Settings
 from facecrf_ocio.solve import Weighted, solve
-from facecrf_ocio.values import Confidence, Estimate, Float, InverseCRF, Outcome, Photo, Verdict
+from facecrf_ocio.values import Confidence, Estimate, InverseCRF, Outcome, Photo, Verdict
 
 
 def calibrate(

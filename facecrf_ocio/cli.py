@@ -56,7 +56,12 @@ def _ending_well(command: Command) -> Command:
 
 
 def _report(error: FaceCRFError) -> int:
-    codes = {PhotoError: UNREADABLE, LutError: UNREADABLE, OutputError: FAILED, SettingsError: USAGE}
+    codes = {
+        PhotoError: UNREADABLE,
+        LutError: UNREADABLE,
+        OutputError: FAILED,
+        SettingsError: USAGE,
+    }
     return _complain(str(error), codes.get(type(error), FAILED))
 
 
@@ -282,8 +287,8 @@ def demo(output: Path) -> int:
     from facecrf_ocio.demo import run_demo
 
     with _status("calibrating a portrait of Grace Hopper"):
-        estimate, written = run_demo(output)
-    _tell(written[0], estimate, written, as_json=False)
+        photo, estimate, written = run_demo(output)
+    _tell(photo, estimate, written, as_json=False)
     return DONE
 
 

@@ -16,16 +16,17 @@ from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Estimate
 
 
-def run_demo(folder: Path) -> tuple[Estimate, tuple[Path, ...]]:
+def run_demo(folder: Path) -> tuple[Path, Estimate, tuple[Path, ...]]:
     """Calibrate and linearize matplotlib's portrait of Grace Hopper (US Navy, public domain).
 
     Returns
     -------
     tuple
-        The estimate, and the files written: LUTs, sidecar, EXR and plot.
+        The portrait's file, the estimate, and the files written: LUTs, sidecar, EXR and plot.
     """
     settings = Settings()
-    photo = read_photo(str(matplotlib.cbook.get_sample_data("grace_hopper.jpg", asfileobj=False)))
+    portrait = Path(str(matplotlib.cbook.get_sample_data("grace_hopper.jpg", asfileobj=False)))
+    photo = read_photo(portrait)
     estimate = calibrate(photo, settings=settings)
     files = write_outputs(photo, estimate, settings, folder, overwrite=True)
     exr = write_exr(
@@ -39,7 +40,5 @@ def run_demo(folder: Path) -> tuple[Estimate, tuple[Path, ...]]:
         },
         overwrite=True,
     )
-    plot = write_plot(
-        folder / "grace_hopper.png", photo, estimate, settings, overwrite=True
-    )
-    return estimate, (*files, exr, plot)
+    plot = write_plot(folder / "grace_hopper.png", photo, estimate, settings, overwrite=True)
+    return portrait, estimate, (*files, exr, plot)

@@ -21,7 +21,7 @@ CHANNELS = ("R", "G", "B")
 
 
 def frozen(array: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
-    """Return a read-only array of the given type, copied where the caller could still write to it."""
+    """Return a read-only array of the given type, copied if the caller could still write to it."""
     result = np.asarray(array, dtype=dtype)
     if result.flags.writeable:
         result = result.copy() if isinstance(array, np.ndarray) else result
@@ -73,7 +73,7 @@ class Primaries:
     red, green, blue, white
         CIE 1931 xy.
     source
-        `ICC profile`, `EXIF`, `file attribute` or `assumed`.
+        `ICC profile`, `EXIF`, `file attribute`, `camera raw decoding` or `assumed`.
     """
 
     name: str
@@ -231,7 +231,9 @@ class InverseCRF:
         return write_lut(self, Path(path), overwrite=overwrite)
 
     @staticmethod
-    def _map(values: npt.ArrayLike, tables: tuple[tuple[Float, Float], ...]) -> npt.NDArray[np.float32]:
+    def _map(
+        values: npt.ArrayLike, tables: tuple[tuple[Float, Float], ...]
+    ) -> npt.NDArray[np.float32]:
         given = np.asarray(values)
         if given.shape[-1:] != (3,):
             raise SettingsError(f"expected (..., 3) values, not {given.shape}")
@@ -250,8 +252,8 @@ class Face:
     box_xy
         (4,) x, y, width, height in pixels of the upright photo.
     landmarks_xyz
-        (478, 3) pixels of the upright photo; x right, y down, z toward the scene (away from the
-        camera), in the same unit as x.
+        (478, 3) pixels of the upright photo, which spans x from 0 to its width (pixel centers lie
+        at 0.5, 1.5, ...); x right, y down, z away from the camera, in the same unit as x.
     score
         Detector score in [0, 1].
     """

@@ -1,0 +1,1 @@
+"""What a photo can tell about its response: one file, one cue."""

@@ -95,13 +95,13 @@ def _gather(photo: Photo, model: ResponseModel, settings: Settings, *, shaded: b
             ),
         ),
         encoded=joined.encoded.reshape(3, -1).T,
-        summary=f"{len(usable)} face(s), {counts[0]} melanin and {counts[1]} hemoglobin pairs",
+        summary=f"{_faces(len(usable))}, {counts[0]} melanin and {counts[1]} hemoglobin pairs",
         faces=tuple(face.view.face for face in usable),
     )
 
 
 def cut_face(photo: Photo, face: Face, settings: Settings) -> FaceView:
-    """Cut a face out of the photo, scale it down to the working size, and lay its mesh over it."""
+    """Cut a face out, scale it down to the working size, and lay its mesh over it."""
     height, width = photo.encoded.shape[:2]
     points = face.landmarks_xyz[:, :2]
     margin = 0.05 * face.box_xy[2]
@@ -112,12 +112,14 @@ def cut_face(photo: Photo, face: Face, settings: Settings) -> FaceView:
     scale = min(1.0, settings.face_width / face_width)
     size = (max(1, round(cut.shape[1] * scale)), max(1, round(cut.shape[0] * scale)))
     encoded = cut if scale == 1.0 else cv2.resize(cut, size, interpolation=cv2.INTER_AREA)
-    geometry = face_geometry(face, (size[1], size[0]), origin=(float(left), float(top)), scale=scale)
+    geometry = face_geometry(
+        face, (size[1], size[0]), origin=(float(left), float(top)), scale=scale
+    )
     return FaceView(face, encoded, geometry)
 
 
 def analyze_face(view: FaceView, settings: Settings) -> AnalyzedFace | None:
-    """Skin mask, decomposition, pigments and single-pigment pairs; None where skin is too little."""
+    """From skin mask to single-pigment pairs; None where there is too little skin."""
     mask = find_skin(view.encoded, view.geometry.bare_skin, settings)
     if int(mask.diffuse.sum()) < MIN_SKIN_PIXELS:
         return None
@@ -172,10 +174,14 @@ def _join(evidence: list[PigmentEvidence]) -> PigmentEvidence | None:
     )
 
 
+def _faces(count: int) -> str:
+    return "1 face" if count == 1 else f"{count} faces"
+
+
 def _lacking_faces(found: FoundFaces, settings: Settings) -> Lacking:
     if found.too_small:
         return Lacking(
-            f"{found.too_small} face(s) found, all narrower than {settings.min_face_width} px",
+            f"{_faces(found.too_small)} found, narrower than {settings.min_face_width} px",
             "use a larger version of the photo, or --fallback mean",
         )
     return Lacking("no face found", "use a photo with a face, or --fallback mean")

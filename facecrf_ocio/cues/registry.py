@@ -9,4 +9,3 @@ CUES: dict[str, Cue] = {
     "face": face_cue(shaded=True),
     "face-unshaded": face_cue(shaded=False),
 }
-

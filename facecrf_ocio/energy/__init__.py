@@ -1,0 +1,1 @@
+"""The terms of the objective (sec. 4), each with its gradient."""

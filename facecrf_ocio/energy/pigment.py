@@ -98,9 +98,7 @@ class SkinPigment:
         signs = np.array([-1.0, 1.0])
         return columns, lambda by: back(by[:, :, None] * signs), np.array(-1.0)
 
-    def _first_order(
-        self, samples: Float, shading_change: Float
-    ) -> tuple[Float, PullBack, Float]:
+    def _first_order(self, samples: Float, shading_change: Float) -> tuple[Float, PullBack, Float]:
         """Eq. 15 as printed, its map back to the samples, and its slope by shading."""
         raw_linear = self._near.values(samples)
         linear = np.maximum(raw_linear, MIN_LINEAR)

@@ -37,7 +37,7 @@ def write_plot(
     analyzed = None
     if estimate.faces:
         analyzed = analyze_face(cut_face(photo, estimate.faces[0], settings), settings)
-    figure = Figure(figsize=(12.0, 5.0) if analyzed else (6.0, 5.0), layout="constrained")
+    figure = Figure(figsize=(13.0, 5.2) if analyzed else (6.0, 5.0), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots(1, 3 if analyzed else 1, squeeze=False)[0]
     _draw_curves(axes[0], estimate)
@@ -45,12 +45,14 @@ def write_plot(
         axes[1].imshow(analyzed.view.encoded)
         axes[1].set_title("face, encoded")
         axes[2].imshow(pigment_map(analyzed))
-        axes[2].set_title("skin used; melanin (yellow), hemoglobin (red) changes")
+        axes[2].set_title("melanin-only (yellow), hemoglobin-only (red)", fontsize=10)
         for axis in axes[1:]:
             axis.set_axis_off()
     name = "photo" if photo.path is None else photo.path.name
     verdict = "" if estimate.confidence is None else f", {estimate.confidence.verdict}"
-    figure.suptitle(f"{name}: {estimate.outcome} by {estimate.estimator}{verdict}", parse_math=False)
+    figure.suptitle(
+        f"{name}: {estimate.outcome} by {estimate.estimator}{verdict}", parse_math=False
+    )
     content = BytesIO()
     figure.savefig(content, format="png", dpi=120)
     return write_files([Draft(path, content.getvalue(), lambda _: None)], overwrite=overwrite)[0]
@@ -87,7 +89,11 @@ def _draw_curves(axes: Axes, estimate: Estimate) -> None:
             low, high = np.clip([linear - sigma, linear + sigma], 0.0, 1.0)
             axes.fill_between(curve.encoded, low, high, color=INK[channel], alpha=0.10, linewidth=0)
     axes.set(
-        xlabel="encoded value", ylabel="relative linear light", xlim=(0, 1), ylim=(0, 1), aspect="equal"
+        xlabel="encoded value",
+        ylabel="relative linear light",
+        xlim=(0, 1),
+        ylim=(0, 1),
+        aspect="equal",
     )
     axes.set_title("inverse camera response")
     axes.grid(color="0.9")

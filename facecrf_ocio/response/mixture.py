@@ -61,8 +61,8 @@ def fit_mixture(
 ) -> Mixture:
     """Fit a mixture with equal weights by expectation maximization.
 
-    The start is deterministic (farthest points, then Lloyd's iterations in whitened coordinates), so
-    that the result does not depend on a random generator or a library's version.
+    The start is deterministic (farthest points, then Lloyd's iterations in scaled coordinates),
+    so that the result does not depend on a random generator or a library's version.
 
     Parameters
     ----------

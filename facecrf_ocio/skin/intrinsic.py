@@ -13,6 +13,7 @@ from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Bool, Float, Index
 
 GAUGE = 1e-7
+COLUMNS_AT_ONCE = 16  # three times as fast per column as one, or as a hundred, at a time
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,10 +51,16 @@ class Decomposition:
         np.add.at(columns, (pairs[:, 0], np.arange(count)), -1.0)
         return np.asarray(self.same_albedo @ self._solve(columns))
 
-    def _solve(self, right_side: Float) -> Float:
+    def _solve(self, right_sides: Float) -> Float:
         size = self.same_albedo.shape[0]
-        padding = [(0, self.factors.shape[0] - size)] + [(0, 0)] * (right_side.ndim - 1)
-        return np.asarray(self.factors.solve(np.pad(right_side, padding))[:size])
+        columns = right_sides.reshape(size, -1)
+        padded = np.zeros((self.factors.shape[0], columns.shape[1]), order="F")
+        padded[:size] = columns
+        solved = [
+            self.factors.solve(padded[:, start : start + COLUMNS_AT_ONCE])[:size]
+            for start in range(0, columns.shape[1], COLUMNS_AT_ONCE)
+        ]
+        return np.concatenate(solved, axis=1).reshape(right_sides.shape)
 
 
 def prepare_decomposition(
@@ -124,7 +131,7 @@ def _distance(points: Float, pairs: Index) -> Float:
 
 
 def _direction_ties(directions: Float, spacing: float) -> csc_matrix:
-    """Bilinear weights (n, nodes) of a grid over the hemisphere, `spacing` degrees at its center."""
+    """Bilinear weights (n, nodes) of a grid over the hemisphere, its center `spacing` degrees."""
     position = directions[:, :2] / np.sin(np.radians(spacing))
     corner = np.floor(position).astype(np.intp)
     x, y = (position - corner).T

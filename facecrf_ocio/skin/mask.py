@@ -39,9 +39,7 @@ class SkinMask:
     hue_histogram: npt.NDArray[np.float64]
 
 
-def find_skin(
-    encoded: npt.NDArray[np.float32], bare_skin: Bool, settings: Settings
-) -> SkinMask:
+def find_skin(encoded: npt.NDArray[np.float32], bare_skin: Bool, settings: Settings) -> SkinMask:
     """Select skin by hue and brightness.
 
     Parameters

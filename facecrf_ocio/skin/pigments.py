@@ -6,7 +6,8 @@ import numpy as np
 
 from facecrf_ocio.values import Bool, Float, Index, Pigments
 
-ANGLES = 180
+ANGLES = 36
+FINER = 5
 GAUSSIAN_LOG_COSH = 0.3745672  # mean of log cosh of a standard normal variable
 # Both pigments raise log R/G and lower log B/G, melanin by the ratio 0.6, hemoglobin by 3 or more;
 # this direction lies between them.
@@ -51,7 +52,7 @@ def _independent_directions(chromaticity: Float) -> Float:
     """Rows: change of log R/G and log G/B with melanin, then with hemoglobin.
 
     Of two whitened variables, independent components are known up to one rotation: the angle of
-    greatest non-Gaussianity (the log cosh contrast of FastICA) is found by trying all of them.
+    greatest non-Gaussianity (the log cosh contrast of FastICA) is found by trying them all.
     Hemoglobin is the component that changes R/G more, relative to B/G: over the measured spectra
     of pigments, cameras and lights this order never changes.
     """
@@ -67,7 +68,12 @@ def _independent_directions(chromaticity: Float) -> Float:
 
 def _least_gaussian_angle(white: Float) -> float:
     """Rotation in [0, 90) degrees that maximizes the negentropy of both components."""
-    angles = np.arange(ANGLES) * (np.pi / 2.0 / ANGLES)
+    step = np.pi / 2.0 / ANGLES
+    coarse = _best_angle(white, np.arange(ANGLES) * step)
+    return _best_angle(white, coarse + np.linspace(-step, step, 2 * FINER + 1))
+
+
+def _best_angle(white: Float, angles: Float) -> float:
     return float(angles[np.argmax([_contrast(white, angle) for angle in angles])])
 
 
@@ -75,5 +81,9 @@ def _contrast(white: Float, angle: float) -> float:
     """Sum over both rotated components of (E log cosh - that of a Gaussian) squared."""
     first = np.cos(angle) * white[:, 0] + np.sin(angle) * white[:, 1]
     second = np.cos(angle) * white[:, 1] - np.sin(angle) * white[:, 0]
-    means = [np.logaddexp(s, -s).mean() - np.log(2.0) for s in (first, second)]
+    # log cosh s, written so that large values do not overflow
+    means = [
+        (np.abs(s) + np.log1p(np.exp(-2.0 * np.abs(s)))).mean() - np.log(2.0)
+        for s in (first, second)
+    ]
     return float(sum((mean - GAUSSIAN_LOG_COSH) ** 2 for mean in means))

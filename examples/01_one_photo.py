@@ -1,0 +1,22 @@
+"""One photo: estimate its curve, write it for OCIO, and look at what it makes of middle gray."""
+
+from pathlib import Path
+from tempfile import mkdtemp
+
+import matplotlib.cbook
+import numpy as np
+
+from facecrf_ocio import calibrate, read_photo
+
+portrait = matplotlib.cbook.get_sample_data("grace_hopper.jpg", asfileobj=False)
+photo = read_photo(portrait)
+estimate = calibrate(photo)
+
+print(f"{estimate.outcome} from {estimate.reason}")
+for reason in estimate.confidence.reasons:
+    print(f"  {estimate.confidence.verdict}: {reason}")
+
+code_118 = np.full((1, 3), 118 / 255)  # what sRGB calls middle gray, 18 % of white
+print("code 118 is linear", estimate.curve.linearize(code_118)[0].round(3))
+
+print(estimate.curve.write(Path(mkdtemp()) / "grace_hopper.spi1d"))
