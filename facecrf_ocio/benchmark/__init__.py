@@ -1,0 +1,1 @@
+"""The bench: how well each estimator does on photos whose response is known."""

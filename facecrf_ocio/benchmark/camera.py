@@ -66,7 +66,7 @@ def take_photo(
     primaries
         Of `linear`; the response does not change them.
     """
-    exposed = np.clip(linear.astype(np.float64), 0.0, 1.0)
+    exposed: Float = np.clip(linear.astype(np.float64), 0.0, 1.0)
     if encoding.iso is not None:
         exposed = _add_noise(exposed, encoding.iso, generator)
     grid = np.linspace(0.0, 1.0, inverse.shape[1])
@@ -98,4 +98,5 @@ def _through_jpeg(codes: npt.NDArray[np.uint8], quality: int) -> Float:
     written, content = cv2.imencode(".jpg", codes[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])
     if not written:
         raise SettingsError(f"an image of shape {codes.shape} cannot be stored as a JPEG")
-    return np.asarray(cv2.imdecode(content, cv2.IMREAD_COLOR)[..., ::-1], dtype=np.float64)
+    decoded = np.asarray(cv2.imdecode(content, cv2.IMREAD_COLOR), dtype=np.float64)
+    return decoded[..., ::-1]

@@ -47,7 +47,7 @@ class Responses:
         return "" if self.families is None else self.families[row]
 
     def training_curves(self, rows: Index) -> Float:
-        """Single curves (N, 1024) of some responses to fit a model to; equal channels count once."""
+        """Curves (N, 1024) of some responses to fit a model to; equal channels count once."""
         kept = []
         for response in self.inverse[rows]:
             gray = (response == response[0]).all()

@@ -111,7 +111,9 @@ def cut_face(photo: Photo, face: Face, settings: Settings) -> FaceView:
     face_width = float(np.ptp(points[:, 0]))
     scale = min(1.0, settings.face_width / face_width)
     size = (max(1, round(cut.shape[1] * scale)), max(1, round(cut.shape[0] * scale)))
-    encoded = cut if scale == 1.0 else cv2.resize(cut, size, interpolation=cv2.INTER_AREA)
+    encoded = cut
+    if scale < 1.0:
+        encoded = np.asarray(cv2.resize(cut, size, interpolation=cv2.INTER_AREA), np.float32)
     geometry = face_geometry(
         face, (size[1], size[0]), origin=(float(left), float(top)), scale=scale
     )

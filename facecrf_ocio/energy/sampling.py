@@ -55,6 +55,6 @@ class Sampling:
             lower = lower - by_slopes * (self.size - 1)
         at = self.lower.ravel()
         total = 3 * self.size
-        flat = np.bincount(at, lower.ravel(), total)
+        flat: Float = np.bincount(at, lower.ravel(), total).astype(np.float64)
         flat += np.bincount(at + 1, upper.ravel(), total)
         return flat.reshape(3, self.size)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import scipy.io
+from scipy.io.matlab import MatReadError
 
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.values import Float
@@ -34,7 +35,7 @@ def read_dorf_inverse(path: str | Path) -> Float:
     try:
         content = scipy.io.loadmat(path)
         irradiance, brightness = content["I"], content["B"]
-    except (OSError, KeyError, ValueError, NotImplementedError) as error:
+    except (OSError, KeyError, ValueError, NotImplementedError, MatReadError) as error:
         raise PhotoError(
             Path(path), f"is not a DoRF file ({error})", "give a .mat file with I and B, 201 x 1024"
         ) from error

@@ -1,0 +1,93 @@
+"""Tasks to worker processes, results back as they come."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+
+import cv2
+
+from facecrf_ocio.benchmark.cases import Plan, Task
+from facecrf_ocio.benchmark.workbench import Result, Workbench
+from facecrf_ocio.errors import FaceCRFError
+
+# With several threads, sums are added in an order that depends on their number.
+_ONE_THREAD = dict.fromkeys(
+    (
+        "OMP_NUM_THREADS",
+        "OPENBLAS_NUM_THREADS",
+        "MKL_NUM_THREADS",
+        "BLIS_NUM_THREADS",
+        "VECLIB_MAXIMUM_THREADS",
+    ),
+    "1",
+)
+_workbench: Workbench | None = None  # of a worker process
+
+
+def measure_tasks(
+    plan: Plan, tasks: Sequence[Task], jobs: int = 1
+) -> Iterator[tuple[Task, tuple[Result, ...]]]:
+    """Measure tasks, each in one of `jobs` fresh processes of one thread; yields as they finish.
+
+    One job, too, is a process of its own: only there can the threads of libraries that are loaded
+    already be limited, on which the last digits depend.
+
+    Raises
+    ------
+    FaceCRFError
+        If a process is killed, which is mostly for want of memory.
+    """
+    if not tasks:
+        return
+    with _environment(_ONE_THREAD):
+        executor = ProcessPoolExecutor(
+            min(jobs, len(tasks)),
+            mp_context=multiprocessing.get_context("spawn"),
+            initializer=_start_worker,
+            initargs=(plan,),
+        )
+        try:
+            futures = {executor.submit(_measure, task): task for task in tasks}
+            for future in as_completed(futures):
+                yield futures.pop(future), future.result()
+        except BrokenProcessPool as error:
+            raise FaceCRFError(
+                "a worker process was killed; start again, with fewer --jobs if memory is short: "
+                "finished cases are kept"
+            ) from error
+        finally:
+            executor.shutdown(cancel_futures=True)
+
+
+def _start_worker(plan: Plan) -> None:
+    global _workbench  # noqa: PLW0603 - set once for the life of the process
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends the run
+    cv2.setNumThreads(1)
+    _workbench = Workbench(plan)
+
+
+def _measure(task: Task) -> tuple[Result, ...]:
+    if _workbench is None:
+        raise FaceCRFError("a worker process was not started properly; start again")
+    return _workbench.measure(task)
+
+
+@contextmanager
+def _environment(variables: dict[str, str]) -> Iterator[None]:
+    """Set variables for the processes started meanwhile."""
+    former = {name: os.environ.get(name) for name in variables}
+    os.environ.update(variables)
+    try:
+        yield
+    finally:
+        for name, value in former.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value

@@ -1,0 +1,70 @@
+"""Results on disk, line by line, so that a bench can be interrupted and go on."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+
+from facecrf_ocio.benchmark.workbench import Result
+from facecrf_ocio.errors import OutputError
+
+
+class Store:
+    """Results in a JSON Lines file, each under the key of its case.
+
+    Attributes
+    ----------
+    results
+        Everything in the file, also of other plans.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be read or written.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self.results = _load(path)
+        except OSError as error:
+            raise _refused(path, error) from error
+
+    def append(self, results: Mapping[str, Result]) -> None:
+        """Add results, on the disk when this returns."""
+        lines = [json.dumps({"key": key, **asdict(result)}) for key, result in results.items()]
+        try:
+            with self._path.open("ab") as file:
+                file.write("".join(f"{line}\n" for line in lines).encode())
+                file.flush()
+                os.fsync(file.fileno())
+        except OSError as error:
+            raise _refused(self._path, error) from error
+        self.results.update(results)
+
+
+def _load(path: Path) -> dict[str, Result]:
+    """Read all whole lines, and cut off one that an interruption left unfinished."""
+    if not path.exists():
+        return {}
+    content = path.read_bytes()
+    whole = content.rfind(b"\n") + 1
+    if whole < len(content):
+        os.truncate(path, whole)
+    results = {}
+    for line in content[:whole].splitlines():
+        try:
+            record = json.loads(line)
+            results[record.pop("key")] = Result(**record)
+        except (ValueError, KeyError, TypeError, AttributeError):
+            continue  # damaged, or of a version with other columns: it is measured again
+    return results
+
+
+def _refused(path: Path, error: OSError) -> OutputError:
+    problem = (error.strerror or str(error)).lower()
+    return OutputError(f"{path}: cannot be written: {problem}; choose another folder with -o")

@@ -1,0 +1,187 @@
+"""From results to the tables people read, and the files programs read."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+
+import numpy as np
+
+from facecrf_ocio.benchmark.cases import HELD_OUT, PAPER
+from facecrf_ocio.benchmark.workbench import Result
+
+_TITLES = {
+    HELD_OUT: "Held-out protocol: the prior never saw the tested curve nor its fold",
+    PAPER: "Paper protocol: the shipped prior, fitted to all DoRF curves, tested ones included",
+}
+_LEGEND = """\
+min to std: RMSE of g x 100 on 1,024 uniform encoded values, mean of the channels. A photo that the
+estimator refused (or failed on) is scored as the prior's mean curve; `answered` counts only the
+others. scaled: the same after one free scale. stops: median error over the photo's unclipped
+pixels after one free scale of exposure. < mean: share of photos on which the RMSE is below that of
+the mean curve. band: share of codes with |error| < 1.645 sigma, 90 % if sigma is honest."""
+_HEADINGS = (
+    "estimator min median mean max std|scaled median|stops median|< mean %|refused %|failed %|"
+    "answered median|answered mean|band %"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """Statistics of one estimator under one protocol.
+
+    Attributes
+    ----------
+    cases
+        Number of photos.
+    rmse_min, rmse_median, rmse_mean, rmse_max, rmse_std
+        Of `Result.rmse` (not multiplied by 100); population standard deviation.
+    rmse_scaled_median, stops_median
+        Medians over all photos.
+    better_than_mean
+        Share of photos whose RMSE is below that of the mean curve under the same protocol.
+    refused, failed
+        Shares of photos without an answer, and of those where the estimator broke down.
+    answered_median, answered_mean
+        RMSE of the other photos alone; None if there are none.
+    band_coverage
+        Mean share of codes within the 90 % band.
+    """
+
+    protocol: str
+    estimator: str
+    cases: int
+    rmse_min: float
+    rmse_median: float
+    rmse_mean: float
+    rmse_max: float
+    rmse_std: float
+    rmse_scaled_median: float
+    stops_median: float | None
+    better_than_mean: float
+    refused: float
+    failed: float
+    answered_median: float | None
+    answered_mean: float | None
+    band_coverage: float | None
+
+
+def summarize(results: Sequence[Result]) -> tuple[Row, ...]:
+    """One row for each protocol and estimator, in the order of the results."""
+    groups: dict[tuple[str, str], list[Result]] = {}
+    for result in results:
+        groups.setdefault((result.protocol, result.estimator), []).append(result)
+    blind = {(r.protocol, r.image, r.row): r.rmse for r in results if r.estimator == "mean"}
+    return tuple(_row(group, blind) for group in groups.values())
+
+
+def _row(group: Sequence[Result], blind: Mapping[tuple[str, str, int], float]) -> Row:
+    rmse = np.array([result.rmse for result in group])
+    answered = np.array([result.rmse for result in group if result.answered])
+    better = [r.rmse < blind.get((r.protocol, r.image, r.row), np.inf) for r in group]
+    broken = [result.outcome == "failed" for result in group]
+    stops = [result.stops for result in group if result.stops is not None]
+    bands = [result.band_coverage for result in group if result.band_coverage is not None]
+    return Row(
+        protocol=group[0].protocol,
+        estimator=group[0].estimator,
+        cases=len(group),
+        rmse_min=float(rmse.min()),
+        rmse_median=float(np.median(rmse)),
+        rmse_mean=float(rmse.mean()),
+        rmse_max=float(rmse.max()),
+        rmse_std=float(rmse.std()),
+        rmse_scaled_median=float(np.median([result.rmse_scaled for result in group])),
+        stops_median=float(np.median(stops)) if stops else None,
+        better_than_mean=float(np.mean(better)),
+        refused=1.0 - len(answered) / len(group),
+        failed=float(np.mean(broken)),
+        answered_median=float(np.median(answered)) if answered.size else None,
+        answered_mean=float(answered.mean()) if answered.size else None,
+        band_coverage=float(np.mean(bands)) if bands else None,
+    )
+
+
+def markdown(rows: Sequence[Row]) -> str:
+    """The tables, one for each protocol, and what their columns mean."""
+    parts = []
+    first, *others = _HEADINGS.split("|")
+    headings = [*first.split(), *others]
+    for protocol in dict.fromkeys(row.protocol for row in rows):
+        chosen = [row for row in rows if row.protocol == protocol]
+        parts += [
+            f"{_TITLES.get(protocol, protocol)} ({chosen[0].cases} photos)",
+            _grid(headings, [_cells(row) for row in chosen]),
+        ]
+    return "\n\n".join([*parts, _LEGEND]) + "\n"
+
+
+def timing_markdown(results: Sequence[Result]) -> str:
+    """Seconds per photo, kept out of the tables because no two runs agree on them."""
+    seconds: dict[str, list[float]] = {}
+    for result in results:
+        seconds.setdefault(result.estimator, []).append(result.seconds)
+    cells = [
+        [name, f"{np.median(times):.3f}", f"{np.mean(times):.3f}", f"{np.max(times):.3f}"]
+        for name, times in seconds.items()
+    ]
+    return _grid(["seconds per photo", "median", "mean", "max"], cells) + "\n"
+
+
+def rows_csv(rows: Sequence[Row]) -> bytes:
+    """The tables' statistics at full precision."""
+    return _csv([field.name for field in fields(Row)], (asdict(row) for row in rows))
+
+
+def results_csv(results: Sequence[Result]) -> bytes:
+    """Every case at full precision, without its time."""
+    names = [field.name for field in fields(Result) if field.name != "seconds"]
+    return _csv(names, (asdict(result) for result in results))
+
+
+def results_record(
+    description: Mapping[str, object], rows: Sequence[Row], results: Sequence[Result]
+) -> dict[str, object]:
+    """For JSON: what was run, the table, and every case without its time."""
+    cases = [asdict(result) for result in results]
+    for case in cases:
+        del case["seconds"]
+    return {"run": description, "table": [asdict(row) for row in rows], "cases": cases}
+
+
+def _cells(row: Row) -> list[str]:
+    hundredfold = (row.rmse_min, row.rmse_median, row.rmse_mean, row.rmse_max, row.rmse_std)
+    return [
+        row.estimator,
+        *(_number(value, 100) for value in (*hundredfold, row.rmse_scaled_median)),
+        _number(row.stops_median, 1, 3),
+        "" if row.estimator == "mean" else _number(row.better_than_mean, 100, 0),
+        _number(row.refused, 100, 1),
+        _number(row.failed, 100, 1),
+        _number(row.answered_median, 100),
+        _number(row.answered_mean, 100),
+        _number(row.band_coverage, 100, 0),
+    ]
+
+
+def _number(value: float | None, factor: float, digits: int = 2) -> str:
+    return "-" if value is None else f"{factor * value:.{digits}f}"
+
+
+def _grid(headings: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
+    """A Markdown table whose columns line up, numbers to the right."""
+    widths = [max(map(len, column)) for column in zip(headings, *cells, strict=True)]
+    lines = [[text.ljust(widths[0]) if i == 0 else text.rjust(widths[i]) for i, text in
+              enumerate(line)] for line in (headings, *cells)]  # fmt: skip
+    rule = ["-" * widths[0], *("-" * (width - 1) + ":" for width in widths[1:])]
+    return "\n".join(f"| {' | '.join(line)} |" for line in (lines[0], rule, *lines[1:]))
+
+
+def _csv(names: Sequence[str], records: Iterable[Mapping[str, object]]) -> bytes:
+    text = io.StringIO()
+    writer = csv.DictWriter(text, names, extrasaction="ignore", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(records)
+    return text.getvalue().encode()

@@ -1,0 +1,151 @@
+"""One photo on the bench: taken, shown to every estimator, and scored."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from facecrf_ocio.benchmark.camera import count_codes, take_photo
+from facecrf_ocio.benchmark.cases import HELD_OUT, Case, Plan, Task
+from facecrf_ocio.benchmark.folds import fit_held_out
+from facecrf_ocio.benchmark.metrics import score
+from facecrf_ocio.calibrate import calibrate
+from facecrf_ocio.response.model import ResponseModel, dorf_model
+from facecrf_ocio.values import Estimate, Outcome, Photo
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What came of one case.
+
+    Attributes
+    ----------
+    protocol, estimator, image, row, response, family, fold
+        The case; `fold` is None where nothing is held out.
+    outcome
+        Of the estimate, or `failed` where the estimator broke down.
+    answered
+        False where there was no curve: then the mean curve of the prior is scored in its place.
+    reason
+        In the estimator's words.
+    rmse, rmse_red, rmse_green, rmse_blue, rmse_scaled, stops, band_coverage
+        See `metrics.Score`.
+    seconds
+        Time of the estimate, everything from detection on; never compared.
+    """
+
+    protocol: str
+    estimator: str
+    image: str
+    row: int
+    response: str
+    family: str
+    fold: int | None
+    outcome: str
+    answered: bool
+    reason: str
+    rmse: float
+    rmse_red: float
+    rmse_green: float
+    rmse_blue: float
+    rmse_scaled: float
+    stops: float | None
+    band_coverage: float | None
+    seconds: float
+
+
+class Workbench:
+    """Measures the cases of a plan; holds what photos have in common.
+
+    Each estimate starts from the photo alone: faces are found anew by every estimator and for
+    every response, as a user's call would. Only the photo itself is shared.
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        self._plan = plan
+        self._fold_of = plan.fold_of()
+        self._fitted = lru_cache(maxsize=None)(self._fit)
+        self._linear = lru_cache(maxsize=1)(self._read)
+
+    def measure(self, task: Task) -> tuple[Result, ...]:
+        """Results of a task's cases, in their order."""
+        photo = self.photograph(task.image, task.row)
+        counts = count_codes(photo)
+        return tuple(self._measure(case, photo, counts) for case in task.cases)
+
+    def photograph(self, image: int, row: int) -> Photo:
+        """The photo that a camera with this response takes of this image."""
+        source, plan = self._linear(image), self._plan
+        identity = f"{plan.seed} {plan.images[image].sha256} {row}".encode()
+        seed = int.from_bytes(hashlib.sha256(identity).digest()[:16], "big")
+        return take_photo(
+            source.encoded,
+            plan.responses.inverse[row],
+            plan.encoding,
+            np.random.default_rng(seed),
+            source.primaries,
+        )
+
+    def model(self, case: Case) -> ResponseModel:
+        """The prior of a case."""
+        fold = self._fold(case)
+        return dorf_model() if fold is None else self._fitted(fold)
+
+    def _measure(self, case: Case, photo: Photo, counts: np.ndarray) -> Result:
+        model, responses = self.model(case), self._plan.responses
+        start = time.perf_counter()
+        estimate, failure = _estimate(photo, case.estimator, model, self._plan)
+        seconds = time.perf_counter() - start
+        scored = estimate
+        if estimate.found is None:
+            scored = calibrate(photo, estimator="mean", model=model)
+        errors = score(scored.curve, scored.confidence, responses.inverse[case.row], counts)
+        red, green, blue = errors.rmse_channels
+        return Result(
+            protocol=case.protocol,
+            estimator=case.estimator,
+            image=self._plan.images[case.image].name,
+            row=case.row,
+            response=responses.names[case.row],
+            family=responses.family(case.row),
+            fold=self._fold(case),
+            outcome="failed" if failure else str(estimate.outcome),
+            answered=estimate.found is not None,
+            reason=failure or estimate.reason,
+            rmse=errors.rmse,
+            rmse_red=red,
+            rmse_green=green,
+            rmse_blue=blue,
+            rmse_scaled=errors.rmse_scaled,
+            stops=errors.stops,
+            band_coverage=errors.band_coverage,
+            seconds=seconds,
+        )
+
+    def _fold(self, case: Case) -> int | None:
+        if case.protocol != HELD_OUT or self._fold_of is None:
+            return None
+        return int(self._fold_of[case.row])
+
+    def _fit(self, fold: int) -> ResponseModel:
+        if self._fold_of is None:
+            return dorf_model()
+        return fit_held_out(self._plan.responses, self._fold_of, fold)
+
+    def _read(self, image: int) -> Photo:
+        return replace(self._plan.images[image].read(), scene_linear=True)
+
+
+def _estimate(
+    photo: Photo, estimator: str, model: ResponseModel, plan: Plan
+) -> tuple[Estimate, str]:
+    """The estimate, and what broke if the estimator did: one photo must not end a night's run."""
+    try:
+        return calibrate(photo, estimator=estimator, settings=plan.settings, model=model), ""
+    except Exception as error:
+        failure = f"{type(error).__name__}: {error}"
+        return Estimate(Outcome.NOT_CALIBRATED, estimator, failure), failure

@@ -1,0 +1,195 @@
+"""`facecrf bench`: every estimator on the same photos."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from facecrf_ocio.errors import FaceCRFError, PhotoError, SettingsError
+from facecrf_ocio.settings import ESTIMATOR_NAMES, Settings
+
+if TYPE_CHECKING:
+    from facecrf_ocio.benchmark.cases import Plan
+
+_PATH = click.Path(path_type=Path)
+_PROTOCOLS = {"held-out": ("held-out",), "paper": ("paper",), "both": ("held-out", "paper")}
+_REPORTS = 20  # lines of progress where there is no terminal
+
+
+@click.group()
+def bench() -> None:
+    """Measure every estimator on the same photos, as the paper's tables do."""
+
+
+@bench.command()
+@click.option(
+    "--faces",
+    required=True,
+    type=_PATH,
+    metavar="DIR",
+    help="Folder of linear images with faces: EXR, 16-bit TIFF or PNG, camera raw.",
+)
+@click.option("--pattern", default="*", help="Names to take from it, e.g. 'dev_*_noisy.exr'.")
+@click.option(
+    "--curves",
+    required=True,
+    type=_PATH,
+    metavar="FILE",
+    help="Responses: DoRF's .mat, or an .npz with inverse curves (C, K) or (C, 3, K).",
+)
+@click.option(
+    "--estimators",
+    default="all",
+    show_default=True,
+    metavar="NAMES",
+    help=f"all, or a list with commas of {', '.join(ESTIMATOR_NAMES)}.",
+)
+@click.option("-o", "--output", required=True, type=_PATH, metavar="DIR")
+@click.option(
+    "--protocol",
+    type=click.Choice(list(_PROTOCOLS)),
+    default="both",
+    show_default=True,
+    help="What the prior has seen: not the tested curve's fold, or all DoRF curves.",
+)
+@click.option("--folds", type=click.IntRange(2), default=5, show_default=True)
+@click.option("--bits", type=click.IntRange(8, 16), default=8, show_default=True)
+@click.option("--jpeg", type=click.IntRange(1, 100), metavar="QUALITY", help="Store as JPEG.")
+@click.option(
+    "--noise", type=click.FloatRange(0, min_open=True), metavar="ISO", help="Add a sensor's noise."
+)
+@click.option("--every", type=click.IntRange(1), default=1, help="Test every n-th curve.")
+@click.option("--limit-curves", type=click.IntRange(1), help="Test so many, spread evenly.")
+@click.option(
+    "--set",
+    "assignments",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Change one of the estimators' settings; may be repeated.",
+)
+@click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
+def synthetic(output: Path, jobs: int, **choices: Any) -> None:
+    """Encode linear images with known responses and recover them (Table 1 of the paper).
+
+    Interrupted and started again with the same options and output, it goes on where it was.
+    """
+    from facecrf_ocio.benchmark.synthetic import run_synthetic
+
+    with _errors_in_one_line():
+        plan = _plan(**choices)
+        with _progress() as progress:
+            table = run_synthetic(plan, output, jobs=jobs, progress=progress)
+        click.echo(f"{table.text}\n{table.timing}")
+        click.echo("\n".join(str(file) for file in table.files))
+        failures = [result for result in table.results if result.outcome == "failed"]
+        if failures:
+            raise FaceCRFError(
+                f"{len(failures)} of {len(table.results)} estimates broke down, the first was "
+                f"{failures[0].estimator} on {failures[0].image}: {failures[0].reason}"
+            )
+
+
+def _plan(
+    *,
+    faces: Path,
+    pattern: str,
+    curves: Path,
+    estimators: str,
+    assignments: tuple[str, ...],
+    every: int,
+    limit_curves: int | None,
+    **rest: Any,
+) -> Plan:
+    from facecrf_ocio.benchmark.camera import Encoding
+    from facecrf_ocio.benchmark.cases import Plan, choose_estimators
+    from facecrf_ocio.benchmark.images import find_linear_images
+    from facecrf_ocio.benchmark.responses import read_responses, spread_rows
+
+    chosen, settings = choose_estimators(estimators), _settings(assignments)
+    encoding = Encoding(rest["bits"], rest["jpeg"], rest["noise"])
+    responses = read_responses(curves)
+    found = find_linear_images(faces, pattern)
+    for line in found.left_out:
+        click.echo(f"facecrf: left out: {line}", err=True)
+    return Plan(
+        images=found.images,
+        responses=responses,
+        rows=spread_rows(len(responses.inverse), every, limit_curves),
+        estimators=chosen,
+        protocols=_PROTOCOLS[rest["protocol"]],
+        folds=rest["folds"],
+        encoding=encoding,
+        settings=settings,
+        seed=rest["seed"],
+    )
+
+
+def _settings(assignments: tuple[str, ...]) -> Settings:
+    """Settings with some of them changed, each converted to the type of its default."""
+    defaults = Settings()
+    types: dict[str, type[Any]] = {
+        f.name: type(getattr(defaults, f.name)) for f in fields(Settings)
+    }
+    changed: dict[str, Any] = {}
+    for assignment in assignments:
+        name, _, text = assignment.partition("=")
+        if name not in types:
+            raise SettingsError(f"no setting {name!r}; known: {', '.join(types)}")
+        try:
+            changed[name] = _BOOLEANS[text] if types[name] is bool else types[name](text)
+        except (KeyError, ValueError) as error:
+            raise SettingsError(
+                f"{text!r} is no value of {name}; give {types[name].__name__}"
+            ) from error
+    return Settings(**changed)
+
+
+_BOOLEANS = {"true": True, "false": False}
+
+
+@contextmanager
+def _errors_in_one_line() -> Iterator[None]:
+    """Our own errors as one line and the exit codes that `facecrf --help` tells."""
+    try:
+        yield
+    except FaceCRFError as error:
+        click.echo(f"facecrf: {error}", err=True)
+        codes: dict[type[Exception], int] = {PhotoError: 3, SettingsError: 2}
+        sys.exit(codes.get(type(error), 1))
+    except KeyboardInterrupt:
+        click.echo("facecrf: interrupted; the same command goes on where it was", err=True)
+        sys.exit(1)
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int], None]]:
+    """A bar on a terminal's stderr, else a line now and then."""
+    if not sys.stderr.isatty():
+        yield _ProgressLines()
+        return
+    from rich.console import Console
+    from rich.progress import MofNCompleteColumn, Progress, TimeElapsedColumn
+
+    columns = (*Progress.get_default_columns(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True)) as bar:
+        task = bar.add_task("measuring")
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+class _ProgressLines:
+    """Says so on stderr when another twentieth is done."""
+
+    def __init__(self) -> None:
+        self._told = -1
+
+    def __call__(self, done: int, total: int) -> None:
+        if done * _REPORTS // total > self._told:
+            self._told = done * _REPORTS // total
+            click.echo(f"facecrf: {done} of {total} cases are done", err=True)
