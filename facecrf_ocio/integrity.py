@@ -25,9 +25,10 @@ def check_file(path: Path) -> str:
     Raises
     ------
     PhotoError
-        If it is missing, a folder, empty, not readable, a PNG cut short or damaged, or a GIF or
-        JPEG 2000 larger than `MAX_MEGAPIXELS`.
+        If it is missing, a folder, empty, not readable, has a name that is no text, is a PNG cut
+        short or damaged, or a GIF or JPEG 2000 larger than `MAX_MEGAPIXELS`.
     """
+    _check_name(path)
     try:
         mode, size = path.stat().st_mode, path.stat().st_size
         if stat.S_ISDIR(mode):
@@ -47,6 +48,14 @@ def check_file(path: Path) -> str:
     except OSError as error:
         problem = f"cannot be read ({error.strerror})"
         raise PhotoError(path, problem, "check the name and the disk") from None
+
+
+def _check_name(path: Path) -> None:
+    """Check for bytes that are no UTF-8, which the decoders' Python bindings cannot pass on."""
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        raise PhotoError(path, "has a name that is not UTF-8 text", "rename it") from None
 
 
 def check_size(path: Path, width: int, height: int) -> None:

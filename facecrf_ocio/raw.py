@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -48,7 +51,7 @@ def decode_raw(path: Path) -> npt.NDArray[np.uint16] | None:
         If the file is camera raw, but damaged, or larger than `integrity.MAX_MEGAPIXELS`.
     """
     try:
-        with rawpy.imread(str(path)) as raw:
+        with _without_remarks(), rawpy.imread(str(path)) as raw:
             check_size(path, raw.sizes.raw_width, raw.sizes.raw_height)
             linear = raw.postprocess(
                 gamma=(1, 1),
@@ -60,6 +63,9 @@ def decode_raw(path: Path) -> npt.NDArray[np.uint16] | None:
     except rawpy.LibRawFileUnsupportedError:
         return None
     except rawpy.LibRawError as error:
+        # LibRaw gives up on a few bytes of anything before it asks whether they are camera raw.
+        if path.suffix.lower() not in RAW_SUFFIXES and not is_raw(path):
+            return None
         reason = error.args[0] if error.args else ""
         text = reason.decode(errors="replace") if isinstance(reason, bytes) else str(reason)
         raise PhotoError(
@@ -68,3 +74,23 @@ def decode_raw(path: Path) -> npt.NDArray[np.uint16] | None:
             COPY_AGAIN,
         ) from error
     return np.asarray(linear, np.uint16)
+
+
+@contextmanager
+def _without_remarks() -> Iterator[None]:
+    """Keep LibRaw from printing to stderr.
+
+    It does so about damaged files, besides returning an error, and rawpy cannot ask it not to.
+    """
+    try:
+        kept = os.dup(2)
+    except OSError:  # no stderr: nothing to keep quiet
+        yield
+        return
+    try:
+        with open(os.devnull, "wb") as nowhere:  # noqa: PTH123
+            os.dup2(nowhere.fileno(), 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)

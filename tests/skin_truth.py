@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from facecrf_ocio.cues.face import AnalyzedFace, FaceView, analyze_face, cut_face, pigment_evidence
-from facecrf_ocio.energy.pigment import SkinPigment
+from facecrf_ocio.energy.pigment import PigmentEvidence, SkinPigment
 from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.synthetic import (
@@ -97,10 +97,17 @@ def see_with_true_geometry(truth: SyntheticFace, exponent: float = 2.2, bits: in
     return Seen(truth, analyzed, *_truths(truth))
 
 
-def pigment_energy(analyzed: AnalyzedFace, samples: np.ndarray, **options: bool) -> float:
-    """E_p at curves (3, 1024); `shaded=False` for `dD/D = 0`, `first_order=True` for eq. 15."""
-    evidence = pigment_evidence(analyzed, shaded=options.pop("shaded", True))
-    return SkinPigment(evidence, samples.shape[1], **options).value_and_gradient(samples)[0]
+def pigment_energy(
+    analyzed: AnalyzedFace, samples: np.ndarray, *, shaded: bool = True, first_order: bool = False
+) -> float:
+    """E_p at curves (3, K); `shaded=False` for `dD/D = 0`, `first_order=True` for eq. 15."""
+    term = SkinPigment(gathered(analyzed, shaded=shaded), samples.shape[1], first_order=first_order)
+    return term.value_and_gradient(samples)[0]
+
+
+@cache
+def gathered(analyzed: AnalyzedFace, *, shaded: bool) -> PigmentEvidence:
+    return pigment_evidence(analyzed, shaded=shaded)
 
 
 def unit(vectors: np.ndarray) -> np.ndarray:
@@ -117,7 +124,9 @@ def _onto(view: FaceView, image: np.ndarray) -> np.ndarray:
     scale = np.linalg.norm(first[1] - first[0]) / np.linalg.norm(last[1] - last[0])
     left, top = np.rint(last[0] - first[0] / scale).astype(int)
     height, width = view.encoded.shape[:2]
-    cut = np.nan_to_num(image)[top : top + round(height / scale), left : left + round(width / scale)]
+    cut = np.nan_to_num(image)[
+        top : top + round(height / scale), left : left + round(width / scale)
+    ]
     return cv2.resize(
         np.ascontiguousarray(cut, dtype=np.float32), (width, height), interpolation=cv2.INTER_AREA
     )

@@ -94,9 +94,7 @@ def test_it_fits_the_responses_about_as_well_as_scikit_learn_does(development_da
     from facecrf_ocio.response.dorf import read_dorf_inverse  # noqa: PLC0415
 
     model = dorf_model()
-    points = model.coefficients(
-        read_dorf_inverse(development_data / "crf" / "dorf_201_curves.mat")
-    )
+    points = model.coefficients(read_dorf_inverse(development_data / "crf" / "dorf_201_curves.mat"))
     other = GaussianMixture(5, n_init=5, random_state=0, reg_covar=1e-5).fit(points)
     assert model.mixture.log_density(points).mean() > other.score(points) - 0.5
 

@@ -114,18 +114,18 @@ class Plan:
 
     def keys(self) -> dict[Case, str]:
         """For each case a digest of all that its result depends on."""
-        curves = {row: _digest(self.responses.inverse[row].tobytes()) for row in self.rows}
         conditions = self.conditions()
-        prior = {PAPER: "shipped", HELD_OUT: [self.responses.sha256, self.folds, GUARD_ROWS]}
+        prior = {PAPER: "shipped", HELD_OUT: [self.folds, GUARD_ROWS]}
         return {
             case: _digest(
                 _canonical(
                     conditions,
                     prior[case.protocol],
                     case.estimator,
+                    self.images[case.image].name,
                     self.images[case.image].sha256,
+                    self.responses.sha256,
                     case.row,
-                    curves[case.row],
                 )
             )
             for case in self.cases()

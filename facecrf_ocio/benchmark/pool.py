@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -68,8 +69,17 @@ def measure_tasks(
 def _start_worker(plan: Plan) -> None:
     global _workbench  # noqa: PLW0603 - set once for the life of the process
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends the run
+    threading.Thread(target=_die_with_parent, daemon=True).start()
     cv2.setNumThreads(1)
     _workbench = Workbench(plan)
+
+
+def _die_with_parent() -> None:
+    """Without this, workers of a parent that was killed would wait for tasks forever."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _measure(task: Task) -> tuple[Result, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -71,15 +72,16 @@ def read_responses(path: Path) -> Responses:
         If the file cannot be read or holds no valid inverse responses.
     """
     try:
-        sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
+        content = path.read_bytes()
     except OSError as error:
         problem = (error.strerror or str(error)).lower()
         raise PhotoError(path, problem, "give a DoRF .mat file or an .npz of curves") from error
+    sha256 = hashlib.sha256(content).hexdigest()
     if path.suffix.lower() == ".mat":
         curves = np.repeat(read_dorf_inverse(path)[:, None], len(CHANNELS), axis=1)
         return Responses(_checked(path, curves), _row_names(len(curves)), None, path, sha256)
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        with np.load(io.BytesIO(content), allow_pickle=False) as stored:
             arrays = {name: stored[name] for name in stored.files}
     except (OSError, ValueError, EOFError, zipfile.BadZipFile, AttributeError) as error:
         raise PhotoError(

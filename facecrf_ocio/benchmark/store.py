@@ -59,7 +59,8 @@ def _load(path: Path) -> dict[str, Result]:
     for line in content[:whole].splitlines():
         try:
             record = json.loads(line)
-            results[record.pop("key")] = Result(**record)
+            key = record.pop("key")
+            results[key] = Result(**record)
         except (ValueError, KeyError, TypeError, AttributeError):
             continue  # damaged, or of a version with other columns: it is measured again
     return results

@@ -14,7 +14,7 @@ from facecrf_ocio.benchmark.workbench import Result
 
 _TITLES = {
     HELD_OUT: "Held-out protocol: the prior never saw the tested curve nor its fold",
-    PAPER: "Paper protocol: the shipped prior, fitted to all DoRF curves, tested ones included",
+    PAPER: "Paper protocol: the shipped prior, which has seen all DoRF curves",
 }
 _LEGEND = """\
 min to std: RMSE of g x 100 on 1,024 uniform encoded values, mean of the channels. A photo that the

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from facecrf_ocio import __version__
 from facecrf_ocio.errors import LutError, OutputError
-from facecrf_ocio.export.atomic import require_free, write_files
+from facecrf_ocio.export.atomic import Draft, require_free, write_files
 from facecrf_ocio.export.lut import FORMATS, lut_draft, require_format
 from facecrf_ocio.export.sidecar import SUFFIX, read_sidecar, sidecar_draft
 from facecrf_ocio.settings import Settings
@@ -24,15 +24,16 @@ def write_outputs(
     formats: Iterable[str] = DEFAULT_FORMATS,
     *,
     overwrite: bool = False,
+    also: Sequence[Draft] = (),
 ) -> tuple[Path, ...]:
     """Write the LUTs and the sidecar of a photo, named after it; without a curve, the sidecar.
 
-    The folder is made if it is missing.
+    The folder is made if it is missing. The drafts in `also` are written with them or not at all.
 
     Returns
     -------
     tuple of pathlib.Path
-        The LUTs in the order of `formats`, then the sidecar.
+        The LUTs in the order of `formats`, then the sidecar, then `also`.
 
     Raises
     ------
@@ -50,7 +51,7 @@ def write_outputs(
     drafts = [lut_draft(estimate.curve, lut, _provenance(photo, estimate)) for lut in luts]
     drafts.append(sidecar_draft(sidecar, photo, estimate, settings, luts))
     _make_folder(folder)
-    return write_files(drafts, overwrite=overwrite)
+    return write_files([*drafts, *also], overwrite=overwrite)
 
 
 def output_paths(source: Path, folder: Path, formats: Iterable[str]) -> tuple[Path, ...]:

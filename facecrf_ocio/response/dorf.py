@@ -35,7 +35,7 @@ def read_dorf_inverse(path: str | Path) -> Float:
     try:
         content = scipy.io.loadmat(path)
         irradiance, brightness = content["I"], content["B"]
-    except (OSError, KeyError, ValueError, NotImplementedError, MatReadError) as error:
+    except (OSError, KeyError, ValueError, IndexError, NotImplementedError, MatReadError) as error:
         raise PhotoError(
             Path(path), f"is not a DoRF file ({error})", "give a .mat file with I and B, 201 x 1024"
         ) from error

@@ -1,0 +1,137 @@
+"""`facecrf calibrate`: photos in, LUT files out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from facecrf_ocio.cli_options import PHOTO_PATH, TEXT_PATH, Choices, estimation_options
+from facecrf_ocio.cli_terminal import (
+    DONE,
+    FAILED,
+    NOTHING,
+    UNREADABLE,
+    USAGE,
+    complain,
+    ending_well,
+    exit_code_of,
+    problem_of,
+    require_writable,
+    status,
+    tell,
+    tell_json,
+)
+from facecrf_ocio.errors import FaceCRFError, OutputError
+
+if TYPE_CHECKING:
+    from facecrf_ocio.values import Estimate
+
+FORMAT_NAMES = ("spi1d", "cube", "clf")
+PLOT_SUFFIX = ".crf.png"
+"""Not `.png`, which next to a PNG photo would be the photo itself."""
+
+
+def _split_formats(context: click.Context, option: click.Parameter, value: str) -> tuple[str, ...]:
+    names = tuple(dict.fromkeys(name.strip().lower() for name in value.split(",") if name.strip()))
+    known = ", ".join(FORMAT_NAMES)
+    unknown = [name for name in names if name not in FORMAT_NAMES]
+    if unknown:
+        raise click.BadParameter(f"no LUT format {unknown[0]!r}; known: {known}", context, option)
+    if not names:
+        raise click.BadParameter(f"name at least one of {known}", context, option)
+    return names
+
+
+@dataclass(frozen=True, slots=True)
+class _Calibration:
+    """What is to be written of each photo, and how it is told."""
+
+    folder: Path
+    formats: tuple[str, ...]
+    plot: bool
+    as_json: bool
+    choices: Choices
+
+    def run(self, path: Path, message: str) -> int:
+        """Calibrate one photo, tell of it, and return its exit code."""
+        try:
+            with status(message):
+                estimate, written = self._calibrate(path)
+        except (FaceCRFError, MemoryError) as error:
+            code = complain(problem_of(error), exit_code_of(error))
+            if self.as_json:
+                tell_json(path, code, outcome="error", reason=problem_of(error))
+            return code
+        return tell(path, estimate, written, as_json=self.as_json)
+
+    def _calibrate(self, path: Path) -> tuple[Estimate, tuple[Path, ...]]:
+        from facecrf_ocio import read_photo
+        from facecrf_ocio.export import require_outputs_free, write_outputs
+        from facecrf_ocio.export.atomic import require_free
+
+        overwrite, settings = self.choices.overwrite, self.choices.settings
+        picture = self.folder / f"{path.stem}{PLOT_SUFFIX}"
+        require_outputs_free(path, self.folder, self.formats, overwrite=overwrite)
+        if self.plot:
+            require_free(picture, overwrite=overwrite)
+        photo = read_photo(path)
+        estimate = self.choices.estimate(photo)
+        if estimate.found is None:
+            return estimate, ()
+        also = []
+        if self.plot:
+            from facecrf_ocio.report.plot import plot_draft
+
+            also.append(plot_draft(picture, photo, estimate, settings))
+        return estimate, write_outputs(
+            photo, estimate, settings, self.folder, self.formats, overwrite=overwrite, also=also
+        )
+
+
+@click.command()
+@click.argument("photos", nargs=-1, required=True, type=PHOTO_PATH)
+@click.option(
+    "-o", "--output", required=True, type=TEXT_PATH, metavar="DIR", help="Where to write."
+)
+@click.option(
+    "--formats",
+    default=",".join(FORMAT_NAMES),
+    show_default=True,
+    callback=_split_formats,
+    help="LUT formats, by commas.",
+)
+@click.option(
+    "--plot", is_flag=True, help=f"Also write NAME{PLOT_SUFFIX}: curves, skin mask, pigment map."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object per photo and line.")
+@estimation_options
+@ending_well
+def calibrate(
+    photos: tuple[Path, ...],
+    output: Path,
+    formats: tuple[str, ...],
+    plot: bool,
+    as_json: bool,
+    **choices: Any,
+) -> int:
+    """Estimate the inverse camera response of each PHOTO and write it as LUT files.
+
+    For a.jpg the folder, made if it is missing, gets a.spi1d, a.cube, a.clf and a.crf.json.
+    """
+    from facecrf_ocio.export import require_distinct_names
+
+    photos = tuple(dict.fromkeys(photos))
+    try:
+        require_distinct_names(photos)
+    except OutputError as error:
+        return complain(str(error), USAGE)
+    require_writable(output)
+    job = _Calibration(output, formats, plot, as_json, Choices(**choices))
+    codes = []
+    for number, path in enumerate(photos, start=1):
+        place = f" ({number} of {len(photos)})" if len(photos) > 1 else ""
+        codes.append(job.run(path, f"calibrating {path}{place}"))
+    return next((code for code in (FAILED, UNREADABLE, NOTHING) if code in codes), DONE)

@@ -1,0 +1,139 @@
+"""How a command speaks and ends: one line per complaint, its exit code, and a sign of life."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import re
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from facecrf_ocio.errors import FaceCRFError, LutError, OutputError, PhotoError, SettingsError
+
+if TYPE_CHECKING:
+    from facecrf_ocio.values import Estimate
+
+DONE, FAILED, USAGE, UNREADABLE, NOTHING = 0, 1, 2, 3, 4
+EXIT_CODES = """
+Exit codes: 0 done; 1 an output cannot be written; 2 wrong usage; 3 a file cannot be read;
+4 a photo gives nothing to calibrate from. Of several photos, the worst: 1, then 3, then 4.
+"""
+_CODES = {
+    PhotoError: UNREADABLE,
+    LutError: UNREADABLE,
+    OutputError: FAILED,
+    SettingsError: USAGE,
+}
+
+Command = Callable[..., int]
+
+
+def ending_well(command: Command) -> Command:
+    """Exit with the code a command returns, or with that of our own error, told in one line."""
+
+    @wraps(command)
+    def run(*args: Any, **kwargs: Any) -> int:
+        try:
+            code = command(*args, **kwargs)
+        except (FaceCRFError, MemoryError) as error:
+            code = complain(problem_of(error), exit_code_of(error))
+        sys.exit(code)
+
+    return run
+
+
+def exit_code_of(error: FaceCRFError | MemoryError) -> int:
+    """Return the exit code an error stands for."""
+    return next((code for kind, code in _CODES.items() if isinstance(error, kind)), FAILED)
+
+
+def problem_of(error: FaceCRFError | MemoryError) -> str:
+    """Return what an error says."""
+    return str(error) if isinstance(error, FaceCRFError) else "not enough memory; use smaller files"
+
+
+def complain(message: str, code: int) -> int:
+    """Print one line on stderr and return the code."""
+    click.echo(f"facecrf: {one_line(message)}", err=True)
+    return code
+
+
+def one_line(text: str) -> str:
+    r"""Escape line ends and what else steers a terminal, which file names may hold, as `\x0a`."""
+    return re.sub(r"[\x00-\x1f\x7f-\x9f]", lambda found: f"\\x{ord(found[0]):02x}", text)
+
+
+def speak_any_name() -> None:
+    """Let names that stdout's encoding cannot hold be printed escaped instead of failing."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
+
+
+@contextmanager
+def status(message: str) -> Iterator[None]:
+    """Show a spinner on a terminal's stderr; print nothing meanwhile, and nothing elsewhere."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    from rich.console import Console
+    from rich.markup import escape
+
+    with Console(stderr=True).status(escape(one_line(message))):
+        yield
+
+
+def require_writable(folder: Path) -> None:
+    """Raise OutputError unless the folder, or the nearest above it that exists, can be written.
+
+    Known before a photo is calibrated, which may take long.
+    """
+    existing = next(place for place in (folder, *folder.parents) if os.path.lexists(place))
+    problem = None
+    if not existing.is_dir():
+        problem = f"{existing} is not a folder; choose another"
+    elif not os.access(existing, os.W_OK | os.X_OK):
+        problem = f"permission denied in {existing}; choose a folder you may write to"
+    if problem:
+        raise OutputError(f"{folder}: cannot be written: {problem}")
+
+
+def tell(
+    path: Path, estimate: Estimate, written: tuple[Path, ...], *, as_json: bool = False
+) -> int:
+    """Print what came of a photo: results on stdout, the lack of one on stderr."""
+    verdict = None if estimate.confidence is None else str(estimate.confidence.verdict)
+    code = DONE
+    if estimate.found is None:
+        message = f"{path}: {estimate.outcome}: {estimate.reason}; {estimate.remedy}"
+        code = complain(message, NOTHING)
+    elif not as_json:
+        outcome = f"{estimate.outcome} ({verdict})" if verdict else str(estimate.outcome)
+        click.echo(one_line(f"{path}: {outcome}: {estimate.reason}"))
+        for file in written:
+            click.echo(one_line(f"  {file}"))
+    if as_json:
+        tell_json(
+            path,
+            code,
+            outcome=str(estimate.outcome),
+            estimator=estimate.estimator,
+            reason=estimate.reason,
+            remedy=estimate.remedy,
+            verdict=verdict,
+            energy=dict(estimate.energy),
+            faces=len(estimate.faces),
+            files=[str(file) for file in written],
+        )
+    return code
+
+
+def tell_json(path: Path, code: int, **record: object) -> None:
+    """Print one JSON object on a line of its own, in ASCII, which any stdout can hold."""
+    click.echo(json.dumps({"photo": str(path), "exit_code": code, **record}))

@@ -1,0 +1,520 @@
+"""The commands: what they write, print and return."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813
+import pytest
+from command_line import CODE, CommandLine, names_in, write_noise
+from face_photos import grace_hopper
+from photo_files import oiiotool, pixels_of, random_codes, write, write_dng, write_spi1d
+from PIL import Image
+
+from facecrf_ocio import __version__, read_photo
+from facecrf_ocio.cli_calibrate import FORMAT_NAMES
+from facecrf_ocio.cli_options import COMPRESSIONS
+from facecrf_ocio.errors import OutputError
+from facecrf_ocio.export import FORMATS, read_sidecar
+from facecrf_ocio.export.atomic import Draft
+
+DONE, FAILED, USAGE, UNREADABLE, NOTHING = range(5)
+ALL = {"a.spi1d", "a.cube", "a.clf", "a.crf.json"}
+BLIND = ("--estimator", "srgb")  # needs no face, so a photo of noise will do
+
+
+@pytest.fixture
+def facecrf(capfd: pytest.CaptureFixture[str]) -> CommandLine:
+    return CommandLine(capfd)
+
+
+@pytest.fixture
+def photo(tmp_path: Path) -> Path:
+    return write_noise(tmp_path / "a.png")
+
+
+@pytest.fixture
+def out(tmp_path: Path) -> Path:
+    return tmp_path / "out"
+
+
+def srgb_decoding(code: Any) -> Any:
+    return np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4)
+
+
+class TestHelp:
+    def test_imports_nothing_heavy(self) -> None:
+        heavy = {
+            *("numpy", "scipy", "cv2", "matplotlib", "PIL", "rich"),
+            *("OpenImageIO", "PyOpenColorIO", "rawpy"),
+        }
+        code = (
+            "import sys\nfrom facecrf_ocio.cli import main\n"
+            "main(['--help'], standalone_mode=False)\n"
+            f"print('LOADED', *({heavy!r} & set(sys.modules)))"
+        )
+        ended = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+        assert ended.stdout.decode().splitlines()[-1] == "LOADED"
+
+    def test_tells_commands_and_exit_codes(self, facecrf: CommandLine) -> None:
+        ended = facecrf("--help")
+        assert ended.code == DONE
+        for word in ("calibrate", "linearize", "apply", "demo", "Exit codes"):
+            assert word in ended.out
+
+    def test_version(self, facecrf: CommandLine) -> None:
+        assert __version__ in facecrf("--version").out
+
+
+class TestCalibrate:
+    def test_writes_luts_and_sidecar_and_names_them(
+        self, facecrf: CommandLine, photo: Path, out: Path
+    ) -> None:
+        ended = facecrf("calibrate", photo, "-o", out, *BLIND)
+        assert (ended.code, ended.err) == (DONE, "")
+        assert names_in(out) == ALL
+        first, *files = ended.out.splitlines()
+        assert first.startswith(f"{photo}: fallback (prior only): ")
+        assert {Path(line.strip()) for line in files} == {out / name for name in ALL}
+        curve = read_sidecar(out / "a.crf.json").curve
+        assert curve is not None
+        assert np.allclose(curve.linear, srgb_decoding(curve.encoded), atol=1e-6)
+
+    def test_formats_are_those_of_the_exporter(self) -> None:
+        assert tuple(FORMATS) == FORMAT_NAMES
+
+    def test_only_the_formats_asked_for(self, facecrf: CommandLine, photo: Path, out: Path) -> None:
+        assert facecrf("calibrate", photo, "-o", out, "--formats", "CUBE, clf", *BLIND).code == DONE
+        assert names_in(out) == {"a.cube", "a.clf", "a.crf.json"}
+
+    @pytest.mark.parametrize("formats", ["tiff", "cube,tiff", "", " , "])
+    def test_unknown_formats(
+        self, facecrf: CommandLine, photo: Path, out: Path, formats: str
+    ) -> None:
+        ended = facecrf("calibrate", photo, "-o", out, "--formats", formats, *BLIND)
+        assert ended.code == USAGE
+        assert "spi1d, cube, clf" in ended.err.splitlines()[-1]
+        assert names_in(out) == set()
+
+    @pytest.mark.parametrize(
+        "wrong", [("--estimator", "magic"), ("--fallback", "magic"), ("--magic",)]
+    )
+    def test_wrong_usage(
+        self, facecrf: CommandLine, photo: Path, out: Path, wrong: tuple[str, ...]
+    ) -> None:
+        ended = facecrf("calibrate", photo, "-o", out, *wrong)
+        assert ended.code == USAGE
+        assert wrong[-1] in ended.err.splitlines()[-1]
+        assert names_in(out) == set()
+
+    def test_no_photo_or_no_folder(self, facecrf: CommandLine, photo: Path, out: Path) -> None:
+        assert facecrf("calibrate", "-o", out).code == USAGE
+        assert facecrf("calibrate", photo).code == USAGE
+
+    @pytest.mark.parametrize("name", ["mean", "srgb", "gamma22", "identity"])
+    def test_fixed_estimators_say_that_they_are(
+        self, facecrf: CommandLine, photo: Path, out: Path, name: str
+    ) -> None:
+        ended = facecrf("calibrate", photo, "-o", out, "--estimator", name)
+        assert ended.code == DONE
+        assert "fallback" in ended.out
+        assert read_sidecar(out / "a.crf.json").estimator == name
+
+    @pytest.mark.parametrize(("name", "code"), [("none", NOTHING), ("mean", DONE), ("srgb", DONE)])
+    def test_fallback_without_a_face(
+        self, facecrf: CommandLine, photo: Path, out: Path, name: str, code: int
+    ) -> None:
+        ended = facecrf("calibrate", photo, "-o", out, "--fallback", name)
+        assert ended.code == code
+        assert names_in(out) == (ALL if code == DONE else set())
+        if code == DONE:
+            assert f"no face found: fell back to the {name} curve" in ended.out
+
+    def test_json_is_one_object_per_line(
+        self, facecrf: CommandLine, photo: Path, tmp_path: Path, out: Path
+    ) -> None:
+        broken = tmp_path / "b.png"
+        broken.write_bytes(photo.read_bytes()[:-20])
+        linear = write(tmp_path / "c.exr", np.full((4, 4, 3), 0.5, "f"), oiio.HALF)
+        ended = facecrf("calibrate", photo, broken, linear, "-o", out, "--json")
+        records = [json.loads(line) for line in ended.out.splitlines()]
+        assert [record["photo"] for record in records] == [str(photo), str(broken), str(linear)]
+        assert [record["exit_code"] for record in records] == [NOTHING, UNREADABLE, DONE]
+        outcomes = ["not calibrated", "error", "already linear"]
+        assert [record["outcome"] for record in records] == outcomes
+        assert all(record["reason"] for record in records)
+        assert {Path(file).name for file in records[2]["files"]} == {
+            *("c.spi1d", "c.cube", "c.clf", "c.crf.json")
+        }
+        assert len(ended.err.splitlines()) == 2
+
+    def test_plot_is_a_png(self, facecrf: CommandLine, photo: Path, out: Path) -> None:
+        assert facecrf("calibrate", photo, "-o", out, "--plot", *BLIND).code == DONE
+        assert names_in(out) == ALL | {"a.crf.png"}
+        with Image.open(out / "a.crf.png") as picture:
+            assert picture.format == "PNG"
+
+    def test_plot_beside_a_png_photo_leaves_it_alone(
+        self, facecrf: CommandLine, photo: Path, tmp_path: Path
+    ) -> None:
+        before = photo.read_bytes()
+        ended = facecrf("calibrate", photo, "-o", tmp_path, "--plot", "--overwrite", *BLIND)
+        assert ended.code == DONE
+        assert photo.read_bytes() == before
+
+    @pytest.mark.slow
+    def test_shared_curve(self, facecrf: CommandLine, tmp_path: Path, out: Path) -> None:
+        codes = np.rint(255 * grace_hopper()).astype(np.uint8)
+        Image.fromarray(codes).save(tmp_path / "a.png")
+        for option in ("--shared", "--per-channel"):
+            command = ("calibrate", tmp_path / "a.png", "-o", out, "--overwrite", option)
+            ended = facecrf(*command, "--estimator", "face-unshaded")
+            assert (ended.code, ended.err) == (DONE, "")
+            curve = read_sidecar(out / "a.crf.json").curve
+            assert curve is not None
+            assert (curve.linear == curve.linear[0]).all() == (option == "--shared")
+
+
+class TestSeveralPhotos:
+    def test_one_bad_photo_does_not_keep_the_others(
+        self, facecrf: CommandLine, tmp_path: Path, out: Path
+    ) -> None:
+        names = ("a.png", "b.png", "c.png")
+        photos = [write_noise(tmp_path / name, seed=seed) for seed, name in enumerate(names)]
+        photos[1].write_bytes(photos[1].read_bytes()[:100])
+        ended = facecrf("calibrate", *photos, "-o", out, "--formats", "cube", *BLIND)
+        assert ended.code == UNREADABLE
+        assert names_in(out) == {"a.cube", "a.crf.json", "c.cube", "c.crf.json"}
+        assert len(ended.err.splitlines()) == 1
+        assert str(photos[1]) in ended.err
+
+    def test_the_exit_code_is_the_worst(
+        self, facecrf: CommandLine, photo: Path, tmp_path: Path, out: Path
+    ) -> None:
+        missing, taken = tmp_path / "missing.png", write_noise(tmp_path / "taken.png")
+        linear = write(tmp_path / "l.exr", np.full((4, 4, 3), 0.5, "f"), oiio.HALF)
+        command = ("calibrate", "-o", out, "--overwrite")
+        assert facecrf(*command, linear).code == DONE
+        assert facecrf(*command, linear, photo).code == NOTHING
+        assert facecrf(*command, photo, missing, linear).code == UNREADABLE
+        (out / "taken.cube").mkdir()
+        assert facecrf(*command, photo, missing, taken, linear).code == FAILED
+
+    def test_two_of_one_name(self, facecrf: CommandLine, photo: Path, out: Path) -> None:
+        ended = facecrf("calibrate", photo, photo.with_suffix(".jpg"), "-o", out, *BLIND)
+        assert ended.code == USAGE
+        assert ended.err.count("\n") == 1
+        assert "would write the same files" in ended.err
+        assert names_in(out) == set()
+
+    def test_a_photo_named_twice_is_calibrated_once(
+        self, facecrf: CommandLine, photo: Path, out: Path
+    ) -> None:
+        ended = facecrf("calibrate", photo, photo, "-o", out, "--json", *BLIND)
+        assert ended.code == DONE
+        assert len(ended.out.splitlines()) == 1
+
+
+class TestExistingFiles:
+    @pytest.mark.parametrize("name", [*sorted(ALL), "a.crf.png"])
+    def test_are_kept(self, facecrf: CommandLine, photo: Path, out: Path, name: str) -> None:
+        out.mkdir()
+        (out / name).write_text("mine")
+        ended = facecrf("calibrate", photo, "-o", out, "--plot", *BLIND)
+        assert ended.code == FAILED
+        assert ended.err.startswith(f"facecrf: {out / name}: exists already; pass --overwrite")
+        assert ended.err.count("\n") == 1
+        assert names_in(out) == {name}
+        assert (out / name).read_text() == "mine"
+
+    def test_are_replaced_on_demand(self, facecrf: CommandLine, photo: Path, out: Path) -> None:
+        out.mkdir()
+        for name in (*ALL, "a.crf.png"):
+            (out / name).write_text("mine")
+        ended = facecrf("calibrate", photo, "-o", out, "--plot", "--overwrite", *BLIND)
+        assert ended.code == DONE
+        assert names_in(out) == {*ALL, "a.crf.png"}
+        assert all((out / name).read_bytes() != b"mine" for name in names_in(out))
+
+    def test_a_plot_that_fails_takes_the_luts_with_it(
+        self, facecrf: CommandLine, photo: Path, out: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        def refuse(path: Path) -> None:
+            raise OutputError("a.crf.png: the disk is full; free some space")
+
+        monkeypatch.setattr(
+            "facecrf_ocio.report.plot.plot_draft", lambda path, *_: Draft(path, b"PNG", refuse)
+        )
+        ended = facecrf("calibrate", photo, "-o", out, "--plot", *BLIND)
+        assert (ended.code, ended.out) == (FAILED, "")
+        assert names_in(out) == set()
+
+
+class TestOutputFolder:
+    def test_is_made_with_those_above_it(
+        self, facecrf: CommandLine, photo: Path, tmp_path: Path
+    ) -> None:
+        assert facecrf("calibrate", photo, "-o", tmp_path / "b" / "c", *BLIND).code == DONE
+        assert names_in(tmp_path / "b" / "c") == ALL
+
+    @pytest.mark.parametrize("below", ["", "below"])
+    def test_is_a_file(self, facecrf: CommandLine, photo: Path, tmp_path: Path, below: str) -> None:
+        (tmp_path / "taken").write_text("mine")
+        target = tmp_path / "taken" / below
+        ended = facecrf("calibrate", photo, photo.with_name("b.png"), "-o", target, *BLIND)
+        assert ended.code == FAILED
+        assert "is not a folder; choose another" in ended.err
+        assert ended.err.count("\n") == 1
+        assert (tmp_path / "taken").read_text() == "mine"
+
+    @pytest.mark.parametrize("command", ["calibrate", "linearize"])
+    def test_may_not_be_written_to(
+        self,
+        facecrf: CommandLine,
+        photo: Path,
+        tmp_path: Path,
+        monkeypatch: pytest.MonkeyPatch,
+        command: str,
+    ) -> None:
+        monkeypatch.setattr(os, "access", lambda *_: False)  # file modes do not stop root
+        target = tmp_path if command == "calibrate" else tmp_path / "a.exr"
+        ended = facecrf(command, photo, "-o", target, *BLIND)
+        assert ended.code == FAILED
+        assert "permission denied" in ended.err
+        assert "choose a folder you may write to" in ended.err
+        assert names_in(tmp_path) == {photo.name}
+
+
+class TestScenelinearPhotos:
+    @pytest.mark.parametrize("command", ["calibrate", "linearize"])
+    @pytest.mark.parametrize("name", ["a.exr", "a.dng"])
+    def test_the_answer_is_the_identity(
+        self, facecrf: CommandLine, tmp_path: Path, out: Path, name: str, command: str
+    ) -> None:
+        path = tmp_path / name
+        if name == "a.exr":
+            write(path, np.random.default_rng(3).random((8, 9, 3), "f") * 4, oiio.FLOAT)
+        else:
+            write_dng(path, np.linspace(0, 60000, 32 * 32).reshape(32, 32))
+        target = out if command == "calibrate" else tmp_path / "linear.exr"
+        ended = facecrf(command, path, "-o", target)
+        assert (ended.code, ended.err) == (DONE, "")
+        assert "already linear" in ended.out
+        if command == "calibrate":
+            curve = read_sidecar(out / "a.crf.json").curve
+            assert curve is not None
+            assert np.array_equal(curve.linear, np.tile(curve.encoded, (3, 1)))
+        else:
+            half = read_photo(path).encoded.astype(np.float16).astype(np.float32)
+            assert np.array_equal(pixels_of(target), half)
+
+
+class TestLinearize:
+    def test_equals_oiiotool_with_the_lut_of_calibrate(
+        self, facecrf: CommandLine, photo: Path, tmp_path: Path, out: Path
+    ) -> None:
+        exr = tmp_path / "a.exr"
+        ended = facecrf("linearize", photo, "-o", exr, "--fallback", "mean")
+        assert (ended.code, ended.err) == (DONE, "")
+        assert ended.out.splitlines()[-1] == f"  {exr}"
+        assert facecrf("calibrate", photo, "-o", out, "--fallback", "mean").code == DONE
+        for name in ("a.spi1d", "a.cube", "a.clf"):
+            expected = oiiotool(photo, out / name, tmp_path / f"{name}.exr")
+            assert np.allclose(pixels_of(exr), expected, rtol=2**-10, atol=2**-24)
+
+    def test_says_what_it_is_and_where_from(
+        self, facecrf: CommandLine, photo: Path, tmp_path: Path
+    ) -> None:
+        exr = tmp_path / "a.exr"
+        assert facecrf("linearize", photo, "-o", exr, *BLIND).code == DONE
+        header = oiio.ImageBuf(str(exr)).spec()
+        assert header.get_string_attribute("colorInteropID") == "lin_rec709_scene"
+        assert header.get_string_attribute("oiio:ColorSpace") == "lin_rec709_scene"
+        rec709 = [0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329]
+        assert np.allclose(header.getattribute("chromaticities"), rec709)
+        said = {
+            name: header.get_string_attribute(f"facecrf:{name}")
+            for name in ("outcome", "estimator", "confidence", "version", "primaries")
+        }
+        assert said == {
+            "outcome": "fallback",
+            "estimator": "srgb",
+            "confidence": "prior only",
+            "version": __version__,
+            "primaries": "assumed Rec.709",
+        }
+
+    @pytest.mark.parametrize(("option", "kind"), [("--half", oiio.HALF), ("--float", oiio.FLOAT)])
+    def test_half_or_float(
+        self, facecrf: CommandLine, photo: Path, tmp_path: Path, option: str, kind: Any
+    ) -> None:
+        exr = tmp_path / "a.exr"
+        assert facecrf("linearize", photo, "-o", exr, option, *BLIND).code == DONE
+        assert oiio.ImageBuf(str(exr)).spec().format.basetype == kind
+        if kind == oiio.FLOAT:
+            expected = srgb_decoding(read_photo(photo).encoded.astype(np.float64))
+            assert np.allclose(pixels_of(exr), expected, atol=1e-6)
+
+    @pytest.mark.parametrize("name", COMPRESSIONS)
+    def test_compressions_are_openexrs(
+        self, facecrf: CommandLine, photo: Path, tmp_path: Path, name: str
+    ) -> None:
+        exr = tmp_path / "a.exr"
+        assert facecrf("linearize", photo, "-o", exr, "--compression", name, *BLIND).code == DONE
+        assert oiio.ImageBuf(str(exr)).spec().get_string_attribute("compression") == name
+
+    @pytest.mark.parametrize(
+        ("target", "options", "code", "problem"),
+        [
+            ("a.exr", ("--compression", "magic"), USAGE, "'magic' is not one of"),
+            ("a.tif", (), FAILED, "give it the suffix .exr"),
+            ("missing/a.exr", (), FAILED, "create the folder first"),
+            ("taken.exr", (), FAILED, "exists already; pass --overwrite"),
+            ("folder.exr", ("--overwrite",), FAILED, "is not a regular file"),
+            ("taken.exr/a.exr", (), FAILED, "taken.exr"),
+        ],
+    )
+    def test_refusals(
+        self,
+        facecrf: CommandLine,
+        photo: Path,
+        tmp_path: Path,
+        target: str,
+        options: tuple[str, ...],
+        code: int,
+        problem: str,
+    ) -> None:
+        (tmp_path / "taken.exr").write_text("mine")
+        (tmp_path / "folder.exr").mkdir()
+        lut = write_spi1d(tmp_path / "a.spi1d")
+        before = names_in(tmp_path)
+        for command in (("linearize", *BLIND), ("apply", "--lut", lut)):
+            ended = facecrf(*command, photo, "-o", tmp_path / target, *options)
+            assert (ended.code, ended.out) == (code, "")
+            assert problem in ended.err.splitlines()[-1]
+            assert code == USAGE or ended.err.count("\n") == 1
+        assert names_in(tmp_path) == before
+        assert (tmp_path / "taken.exr").read_text() == "mine"
+
+    def test_the_photo_itself_is_never_replaced(self, facecrf: CommandLine, tmp_path: Path) -> None:
+        path = write(tmp_path / "a.exr", np.full((4, 4, 3), 0.5, "f"), oiio.HALF)
+        before = path.read_bytes()
+        ended = facecrf("linearize", path, "-o", path, "--overwrite")
+        assert ended.code == FAILED
+        assert "is the photo itself" in ended.err
+        assert path.read_bytes() == before
+
+
+class TestApply:
+    def test_equals_oiiotool(self, facecrf: CommandLine, tmp_path: Path) -> None:
+        photo = write(tmp_path / "a.tif", random_codes(dtype=np.uint16), oiio.UINT16)
+        lut, exr = write_spi1d(tmp_path / "b.spi1d"), tmp_path / "a.exr"
+        ended = facecrf("apply", photo, "--lut", lut, "-o", exr)
+        assert (ended.code, ended.err) == (DONE, "")
+        assert ended.out.splitlines()[-1] == f"  {exr}"
+        expected = oiiotool(photo, lut, tmp_path / "expected.exr")
+        assert np.allclose(pixels_of(exr), expected, rtol=2**-10, atol=2**-24)
+        header = oiio.ImageBuf(str(exr)).spec()
+        assert header.get_string_attribute("facecrf:lut") == "b.spi1d"
+        assert header.get_string_attribute("colorInteropID") == "lin_rec709_scene"
+
+    @pytest.mark.parametrize("name", ["missing.cube", "a.png", "."])
+    def test_bad_lut(self, facecrf: CommandLine, photo: Path, tmp_path: Path, name: str) -> None:
+        ended = facecrf("apply", photo, "--lut", tmp_path / name, "-o", tmp_path / "a.exr")
+        assert (ended.code, ended.out) == (UNREADABLE, "")
+        assert ended.err.startswith(f"facecrf: {tmp_path / name}: ")
+        assert ended.err.count("\n") == 1
+        assert names_in(tmp_path) == {photo.name}
+
+
+class TestNames:
+    @pytest.mark.parametrize(
+        "stem",
+        [
+            "two words",
+            'quote\'s "and" so',
+            "$HOME ${PWD}",
+            "Zoë 写真",
+            "-dash",
+            "--json",
+            "[bold]x",
+            "50%d #### *?",
+            "line\nbreak",
+            ".hidden",
+            "a.b.c",
+        ],
+    )
+    def test_any_name_goes_through_all_commands(
+        self, facecrf: CommandLine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stem: str
+    ) -> None:
+        monkeypatch.chdir(tmp_path)
+        name = f"{stem}.png"
+        write_noise(tmp_path / name)
+        ended = facecrf("calibrate", "-o", "out", "--plot", *BLIND, "--", name)
+        assert (ended.code, ended.err) == (DONE, "")
+        suffixes = ("spi1d", "cube", "clf", "crf.json", "crf.png")
+        assert names_in(tmp_path / "out") == {f"{stem}.{suffix}" for suffix in suffixes}
+        assert len(ended.out.splitlines()) == 6
+        ended = facecrf("apply", "--lut", f"out/{stem}.clf", f"--output=out/{stem}.exr", "--", name)
+        assert (ended.code, ended.err) == (DONE, "")
+        assert (tmp_path / "out" / f"{stem}.exr").exists()
+
+    def test_a_stdout_that_cannot_hold_them(self, tmp_path: Path) -> None:
+        write_noise(tmp_path / "写.png")
+        command = [sys.executable, "-c", CODE, "calibrate", "写.png", "-o", "out", *BLIND]
+        ended = subprocess.run(
+            command,
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONIOENCODING": "latin-1"},
+            capture_output=True,
+            check=False,
+        )
+        assert (ended.returncode, ended.stderr) == (DONE, b"")
+        assert ended.stdout.startswith(rb"\u5199.png: ")
+
+
+class TestProgress:
+    """A spinner on a terminal's stderr, and never a byte of it on stdout."""
+
+    def run(self, folder: Path, *arguments: str) -> tuple[bytes, bytes]:
+        pty = pytest.importorskip("pty")
+        ours, theirs = pty.openpty()
+        command = [sys.executable, "-c", CODE, *arguments]
+        environment = {**os.environ, "TERM": "xterm", "COLUMNS": "80"}
+        with subprocess.Popen(
+            command, cwd=folder, stdout=subprocess.PIPE, stderr=theirs, env=environment
+        ) as process:
+            os.close(theirs)
+            shown = b""
+            try:
+                while block := os.read(ours, 4096):
+                    shown += block
+            except OSError:  # how Linux says that the other end is closed
+                pass
+            assert process.stdout is not None
+            printed = process.stdout.read()
+        os.close(ours)
+        return printed, shown
+
+    def test_of_several_photos(self, tmp_path: Path) -> None:
+        (tmp_path / "[a][").mkdir()  # [/b] would end a markup of rich that was never begun
+        write_noise(tmp_path / "[a][/b].png")
+        (tmp_path / "b.png").touch()
+        command = ("calibrate", "[a][/b].png", "b.png", "-o", "out", "--json", *BLIND)
+        printed, shown = self.run(tmp_path, *command)
+        assert [json.loads(line)["exit_code"] for line in printed.splitlines()] == [0, 3]
+        assert b"calibrating [a][/b].png (1 of 2)" in shown
+        assert b"calibrating b.png (2 of 2)" in shown
+        assert b"facecrf: b.png: is empty" in shown
+
+    def test_of_one_photo(self, tmp_path: Path) -> None:
+        write_noise(tmp_path / "a.png")
+        printed, shown = self.run(tmp_path, "linearize", "a.png", "-o", "a.exr", *BLIND)
+        assert b"linearizing a.png" in shown
+        assert printed.decode().splitlines()[-1] == "  a.exr"

@@ -1,0 +1,64 @@
+"""Settings refuse what they may not be."""
+
+from __future__ import annotations
+
+from dataclasses import FrozenInstanceError, fields, replace
+
+import pytest
+
+from facecrf_ocio.cues.registry import CUES
+from facecrf_ocio.errors import SettingsError
+from facecrf_ocio.response.fixed import FIXED_CURVES
+from facecrf_ocio.settings import ESTIMATOR_NAMES, FALLBACKS, Settings
+
+
+def test_defaults_are_the_paper_s_where_it_prints_them():
+    settings = Settings()
+    assert (settings.pigment_weight, settings.monotonicity_weight) == (30000.0, 1000.0)
+    assert settings.hue_half_width == 18.0
+    assert (settings.value_low, settings.value_high) == (0.25, 0.75)
+    assert (settings.gradient_low, settings.gradient_high) == (0.10, 0.95)
+    assert not settings.shared_curve
+
+
+def test_the_names_of_estimators_are_those_that_exist():
+    assert {"auto", *CUES, *FIXED_CURVES} == set(ESTIMATOR_NAMES)
+    assert len(set(ESTIMATOR_NAMES)) == len(ESTIMATOR_NAMES)
+    assert set(FALLBACKS) - {"none"} <= set(FIXED_CURVES)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "text"),
+    [
+        ({"value_low": 0.8}, "value_low must be below value_high"),
+        ({"gradient_low": 0.95}, "gradient_low must be below gradient_high"),
+        ({"value_high": 1.5}, r"value_high must lie in \[0, 1\]"),
+        ({"min_face_score": -0.1}, r"min_face_score must lie in \[0, 1\]"),
+        ({"gradient_high": float("nan")}, r"gradient_high must lie in \[0, 1\]"),
+    ],
+)
+def test_impossible_settings_are_refused(wrong, text):
+    with pytest.raises(SettingsError, match=text):
+        Settings(**wrong)
+
+
+@pytest.mark.parametrize(
+    "name", [f.name for f in fields(Settings) if not isinstance(f.default, bool)]
+)
+@pytest.mark.parametrize("value", [-1, float("nan")])
+def test_no_number_may_be_negative_or_nan(name, value):
+    with pytest.raises(SettingsError, match=name):
+        Settings(**{name: value})
+
+
+def test_every_setting_is_documented():
+    for item in fields(Settings):
+        assert item.name in (Settings.__doc__ or "")
+
+
+def test_settings_do_not_change():
+    settings = Settings()
+    with pytest.raises(FrozenInstanceError):
+        settings.min_pairs = 1  # type: ignore[misc]
+    assert replace(settings, min_pairs=1).min_pairs == 1
+    assert settings.min_pairs != 1
