@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from facecrf_ocio.errors import FaceCRFError, PhotoError, SettingsError
+from facecrf_ocio.cli_terminal import (
+    DONE,
+    FAILED,
+    complain,
+    ending_well,
+    one_line,
+    require_writable,
+)
+from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.settings import ESTIMATOR_NAMES, Settings
 
 if TYPE_CHECKING:
@@ -75,25 +83,32 @@ def bench() -> None:
 )
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
-def synthetic(output: Path, jobs: int, **choices: Any) -> None:
+@ending_well
+def synthetic(output: Path, jobs: int, **choices: Any) -> int:
     """Encode linear images with known responses and recover them (Table 1 of the paper).
 
     Interrupted and started again with the same options and output, it goes on where it was.
     """
     from facecrf_ocio.benchmark.synthetic import run_synthetic
 
-    with _errors_in_one_line():
-        plan = _plan(**choices)
+    plan = _plan(**choices)
+    require_writable(output)
+    try:
         with _progress() as progress:
             table = run_synthetic(plan, output, jobs=jobs, progress=progress)
-        click.echo(f"{table.text}\n{table.timing}")
-        click.echo("\n".join(str(file) for file in table.files))
-        failures = [result for result in table.results if result.outcome == "failed"]
-        if failures:
-            raise FaceCRFError(
-                f"{len(failures)} of {len(table.results)} estimates broke down, the first was "
-                f"{failures[0].estimator} on {failures[0].image}: {failures[0].reason}"
-            )
+    except KeyboardInterrupt:
+        return complain("interrupted; the same command goes on where it was", FAILED)
+    click.echo(f"{table.text}\n{table.timing}")
+    for file in table.files:
+        click.echo(one_line(str(file)))
+    failures = [result for result in table.results if result.outcome == "failed"]
+    if not failures:
+        return DONE
+    return complain(
+        f"{len(failures)} of {len(table.results)} estimates broke down, the first was "
+        f"{failures[0].estimator} on {failures[0].image}: {failures[0].reason}",
+        FAILED,
+    )
 
 
 def _plan(
@@ -117,7 +132,7 @@ def _plan(
     responses = read_responses(curves)
     found = find_linear_images(faces, pattern)
     for line in found.left_out:
-        click.echo(f"facecrf: left out: {line}", err=True)
+        click.echo(f"facecrf: left out: {one_line(line)}", err=True)
     return Plan(
         images=found.images,
         responses=responses,
@@ -152,20 +167,6 @@ def _settings(assignments: tuple[str, ...]) -> Settings:
 
 
 _BOOLEANS = {"true": True, "false": False}
-
-
-@contextmanager
-def _errors_in_one_line() -> Iterator[None]:
-    """Our own errors as one line and the exit codes that `facecrf --help` tells."""
-    try:
-        yield
-    except FaceCRFError as error:
-        click.echo(f"facecrf: {error}", err=True)
-        codes: dict[type[Exception], int] = {PhotoError: 3, SettingsError: 2}
-        sys.exit(codes.get(type(error), 1))
-    except KeyboardInterrupt:
-        click.echo("facecrf: interrupted; the same command goes on where it was", err=True)
-        sys.exit(1)
 
 
 @contextmanager

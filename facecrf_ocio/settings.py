@@ -48,6 +48,9 @@ class Settings:
         Quantiles of the density gradients that select single-pigment pairs (eq. 25).
     first_order
         Use the forward differences of eq. 12-15 as printed instead of exact log ratios.
+    balance_channels
+        Scale the three rows of the pigment matrices alike before their singular values are taken.
+        Not in the paper, and without effect on exact data; `energy.pigment` says why it is done.
     pigment_weight, monotonicity_weight
         lambda_p and lambda_m of eq. 22.
     min_pairs
@@ -70,6 +73,7 @@ class Settings:
     gradient_low: float = 0.10
     gradient_high: float = 0.95
     first_order: bool = False
+    balance_channels: bool = True
     pigment_weight: float = 30000.0
     monotonicity_weight: float = 1000.0
     min_pairs: int = 8

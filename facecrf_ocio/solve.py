@@ -12,7 +12,7 @@ from facecrf_ocio.energy.term import Term
 from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.values import CHANNELS, Float
 
-MAX_ITERATIONS = 300
+MAX_ITERATIONS = 100
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,9 +54,9 @@ class Solution:
 def solve(model: ResponseModel, terms: Sequence[Weighted], *, shared: bool) -> Solution:
     """Minimize by L-BFGS from the mean curve.
 
-    With the paper's weights the objective has many minima. The lowest, which other starts find,
-    are worse curves than the one nearest to the mean: E_p has trivial minima, such as curves so
-    steep in the code values of one channel that its row alone makes up the matrix.
+    With the paper's weights the objective has many minima, and kinks where the second and third
+    singular values meet, at which line searches end. The lowest minima, which other starts find,
+    are worse curves than the one nearest to the mean, and so is what more iterations reach.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ from facecrf_ocio.values import Photo
 BLEND_WEIGHT = 1e4
 
 
-def edge_cue(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
+def edge_cue(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:  # noqa: ARG001
     """Color blends at the photo's edges as a likelihood of curves; the estimator `edge`.
 
     Parameters
@@ -25,9 +25,8 @@ def edge_cue(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
     model
         The response model whose grid the curves will be on.
     settings
-        None of them matter here.
+        Taken for the interface: the paper's own weight is used.
     """
-    del settings
     patches = find_edge_patches(photo.encoded)
     lacking = lacking_patches(photo, len(patches))
     if lacking is not None:

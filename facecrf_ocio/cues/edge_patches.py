@@ -201,9 +201,7 @@ def _examine(
     return patches
 
 
-def _region_statistics(
-    windows: Float, labels: npt.NDArray[np.int32]
-) -> tuple[Float, Float]:
+def _region_statistics(windows: Float, labels: npt.NDArray[np.int32]) -> tuple[Float, Float]:
     """Mean colors (N, 2, 3) of both regions, and the largest standard deviation (N,) in either."""
     sides = np.stack([labels == 1, labels == 2], axis=1).astype(np.float64)
     shares = sides / sides.sum(axis=(2, 3), keepdims=True)

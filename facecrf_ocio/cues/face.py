@@ -67,6 +67,8 @@ def face_cue(*, shaded: bool) -> Cue:
 
 
 def _gather(photo: Photo, model: ResponseModel, settings: Settings, *, shaded: bool) -> Answer:
+    if photo.grayscale and photo.encoded.min() == photo.encoded.max():
+        return Lacking("all pixels have one color", "use a photo with a face")
     if photo.grayscale:
         return Lacking(
             "the photo is grayscale, and pigments show only in color",
@@ -91,7 +93,12 @@ def _gather(photo: Photo, model: ResponseModel, settings: Settings, *, shaded: b
             Weighted(
                 "pigment",
                 settings.pigment_weight,
-                SkinPigment(joined, model.grid.size, first_order=settings.first_order),
+                SkinPigment(
+                    joined,
+                    model.grid.size,
+                    first_order=settings.first_order,
+                    balanced=settings.balance_channels,
+                ),
             ),
         ),
         encoded=joined.encoded.reshape(3, -1).T,

@@ -14,7 +14,7 @@ from scipy.optimize import minimize
 
 from facecrf_ocio.cues.edge_patches import find_edge_patches, gather_blends, lacking_patches
 from facecrf_ocio.cues.edge_selection import select_patches
-from facecrf_ocio.cues.evidence import Answer, FittedCurve, Lacking
+from facecrf_ocio.cues.evidence import Answer, FittedCurve
 from facecrf_ocio.energy.monotonicity import Monotonicity
 from facecrf_ocio.energy.rank_blend import BlendRank
 from facecrf_ocio.response.model import ResponseModel
@@ -22,7 +22,8 @@ from facecrf_ocio.settings import Settings
 from facecrf_ocio.solve import Weighted
 from facecrf_ocio.values import CHANNELS, Float, Photo
 
-DEGREE = 6
+# Polynomials of degree 7 come within 0.001 of half of the DoRF curves and 0.014 of 95 % of them.
+DEGREE = 7
 MAX_ITERATIONS = 300
 
 

@@ -52,9 +52,7 @@ class LogSlopePrior:
         """
         shared = self.covariance @ rows.T
         expected = rows @ shared + np.diag(deviation**2)
-        return np.asarray(
-            self.mean + shared @ np.linalg.solve(expected, values - rows @ self.mean)
-        )
+        return np.asarray(self.mean + shared @ np.linalg.solve(expected, values - rows @ self.mean))
 
     def surprise(self, rows: Float, values: Float, deviation: Float) -> Float:
         """How far each value lies from what all others predict, in standard deviations (N,).

@@ -51,9 +51,20 @@ class SkinPigment:
     first_order
         False: `log P = log g(I_q) - log g(I_p) - (d_q - d_p)`, which eq. 15 approximates.
         True: `P = g'(I) dI / g(I) - dD/D + 1` with forward differences, as eq. 12-15 print.
+    balanced
+        Scale each channel's row of the matrix to the same length first. A matrix of rank one keeps
+        its rank, but a curve can no longer make the ratio small by being so steep in one channel
+        that this row alone makes up the matrix: with noise, E_p as printed is smallest there.
     """
 
-    def __init__(self, evidence: PigmentEvidence, size: int, *, first_order: bool = False) -> None:
+    def __init__(
+        self,
+        evidence: PigmentEvidence,
+        size: int,
+        *,
+        first_order: bool = False,
+        balanced: bool = False,
+    ) -> None:
         self._shading = evidence.shading
         self._groups = (evidence.is_melanin, ~evidence.is_melanin)
         self._pairs = Sampling.at(evidence.encoded, size)
@@ -61,6 +72,7 @@ class SkinPigment:
         self._step = evidence.encoded[:, :, 1] - evidence.encoded[:, :, 0]
         self._nodes = Sampling.at(np.tile(evidence.nodes, (3, 1)), size)
         self._formula = self._first_order if first_order else self._exact
+        self._ratio = balanced_ratio if balanced else singular_ratio
 
     def columns(self, samples: Float) -> Float:
         """The columns `log P` for curves (3, K), shape (3, N)."""
@@ -71,7 +83,7 @@ class SkinPigment:
         columns, pull_back = self._log_ratios(samples)
         value, by_columns = 0.0, np.zeros_like(columns)
         for chosen in self._groups:
-            ratio, by_columns[:, chosen] = singular_ratio(columns[:, chosen])
+            ratio, by_columns[:, chosen] = self._ratio(columns[:, chosen])
             value += ratio
         return value, pull_back(by_columns)
 
@@ -128,6 +140,16 @@ def singular_ratio(columns: Float) -> tuple[float, Float]:
     by_second = np.outer(vectors[:, 1], vectors[:, 1] @ columns) / second
     ratio = second / first
     return float(ratio), (by_second - ratio * by_first) / first
+
+
+def balanced_ratio(columns: Float) -> tuple[float, Float]:
+    """`singular_ratio` of a matrix (3, n) whose rows are scaled to unit root mean square."""
+    size = columns.shape[1]
+    lengths = np.sqrt((columns * columns).mean(axis=1, keepdims=True)) + 1e-12
+    rows = columns / lengths
+    ratio, by_rows = singular_ratio(rows)
+    along = (rows * by_rows).sum(axis=1, keepdims=True) / size
+    return ratio, (by_rows - rows * along) / lengths
 
 
 def _log_linear(points: Sampling, samples: Float) -> tuple[Float, PullBack]:

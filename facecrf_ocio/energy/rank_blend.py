@@ -28,10 +28,10 @@ class BlendRank:
         Number of samples K of the curves that will be asked about.
     softness
         Singular value (linear light) below which it is rounded off: its gradient has a corner
-        at 0, which is where the solution lies.
+        at 0, which is where the solution lies. One step of 8 bits.
     """
 
-    def __init__(self, evidence: EdgeBlends, size: int, *, softness: float = 1e-3) -> None:
+    def __init__(self, evidence: EdgeBlends, size: int, *, softness: float = 1.0 / 255.0) -> None:
         self._patch = evidence.patch
         self._regions = Sampling.at(evidence.regions, size)
         self._blends = Sampling.at(evidence.blends, size)
