@@ -11,6 +11,7 @@ from typing import Any
 import click
 
 from facecrf_ocio import __version__
+from facecrf_ocio.cli_bench import bench
 from facecrf_ocio.cli_calibrate import calibrate
 from facecrf_ocio.cli_options import (
     PHOTO_PATH,
@@ -40,6 +41,7 @@ def main() -> None:
 
 
 main.add_command(calibrate)
+main.add_command(bench)
 
 
 @main.command()

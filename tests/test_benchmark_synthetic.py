@@ -22,6 +22,7 @@ from facecrf_ocio.benchmark.synthetic import run_synthetic
 from facecrf_ocio.benchmark.tables import summarize
 from facecrf_ocio.benchmark.workbench import Result, Workbench
 from facecrf_ocio.cli_bench import bench
+from facecrf_ocio.errors import FaceCRFError
 from facecrf_ocio.response.model import dorf_model, strictly_increasing
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.synthetic import SyntheticSpec, render_face
@@ -156,6 +157,14 @@ def test_interrupted_and_resumed_by_two_processes_gives_the_same_bytes(whole, pl
     assert seen[0] == stored.count(b"\n")  # nothing was measured twice
     assert (tmp_path / "cases.jsonl").read_bytes().startswith(stored)
     assert made(tmp_path) == made(whole[0])
+
+
+@pytest.mark.slow
+def test_a_package_edited_meanwhile_stores_nothing(plan, tmp_path, monkeypatch):
+    monkeypatch.setattr(pool, "code_digest", lambda: "as it was when the run began")
+    with pytest.raises(FaceCRFError, match="the package was changed"):
+        run_synthetic(plan, tmp_path)
+    assert not (tmp_path / "cases.jsonl").exists()
 
 
 @pytest.mark.slow

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
 from blend_scene import CELL, GAMMA22, GRID, linear_scene, photograph, sharpened
 
 from facecrf_ocio.cues import edge_patches
 from facecrf_ocio.cues.edge_patches import (
+    INNER,
     MAX_BLENDS,
     MIN_BLENDS,
     WINDOW,
@@ -78,10 +80,10 @@ def test_the_same_photo_gives_the_same_patches(patches):
     assert [p.corner_xy for p in again] == [p.corner_xy for p in patches]
 
 
-@pytest.mark.parametrize("blur", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("blur", [0.5, 1.0, 2.0, 3.0])
 def test_sharp_and_soft_edges_are_found(blur):
     found = find_edge_patches(two_colors((0.8, 0.3, 0.1), (0.1, 0.5, 0.6), blur=blur))
-    assert len(found) == 64 // WINDOW  # as many as fit on top of each other
+    assert len(found) >= 64 // WINDOW - 1  # four would fit on top of each other
 
 
 @pytest.mark.parametrize(
@@ -114,13 +116,21 @@ def test_halos_of_sharpening_are_no_blends(patches):
     assert len(left) < 0.1 * len(patches)
 
 
-def test_a_third_color_at_a_junction_is_not_taken_for_a_blend():
-    image = two_colors((0.8, 0.3, 0.1), (0.1, 0.5, 0.6), size=30)[:, 8:23]  # one window wide
-    assert find_edge_patches(image)
-    image = np.array(image)
-    image[15:, 7:] = (0.2, 0.9, 0.3)
-    for patch in find_edge_patches(image):
-        assert patch.corner_xy[1] + WINDOW <= 15
+@pytest.mark.parametrize("seed", range(20))
+def test_a_window_never_holds_a_third_color(seed):
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[:96, :96] - 47.5 - rng.uniform(-8, 8, (2, 1, 1))
+    sector = (np.arctan2(y, x) - rng.uniform(0, 2 * np.pi)) % (2 * np.pi)
+    label = np.searchsorted(np.cumsum(rng.dirichlet((4, 4, 4)))[:2] * 2 * np.pi, sector)
+    shares = cv2.GaussianBlur((label[..., None] == np.arange(3)).astype(np.float64), (0, 0), 0.8)
+    colors = np.array([(0.8, 0.3, 0.1), (0.1, 0.5, 0.6), (0.2, 0.9, 0.3)])
+    found = find_edge_patches(photograph(shares @ colors, GAMMA22).encoded)
+    assert found
+    for patch in found:
+        column, row = patch.corner_xy
+        window = shares[row : row + WINDOW, column : column + WINDOW]
+        assert window[INNER].min(axis=2).max() < 0.02
+        assert (window.max(axis=(0, 1)) > 0.5).sum() == 2
 
 
 @pytest.mark.parametrize("shape", [(1, 1, 3), (14, 200, 3), (15, 15, 3), (100, 100, 3)])

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 
 import cv2
 
-from facecrf_ocio.benchmark.cases import Plan, Task
+from facecrf_ocio.benchmark.cases import Plan, Task, code_digest
 from facecrf_ocio.benchmark.workbench import Result, Workbench
 from facecrf_ocio.errors import FaceCRFError
 
@@ -51,7 +51,7 @@ def measure_tasks(
             min(jobs, len(tasks)),
             mp_context=multiprocessing.get_context("spawn"),
             initializer=_start_worker,
-            initargs=(plan,),
+            initargs=(plan, code_digest()),
         )
         try:
             futures = {executor.submit(_measure, task): task for task in tasks}
@@ -66,12 +66,13 @@ def measure_tasks(
             executor.shutdown(cancel_futures=True)
 
 
-def _start_worker(plan: Plan) -> None:
+def _start_worker(plan: Plan, code: str) -> None:
     global _workbench  # noqa: PLW0603 - set once for the life of the process
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends the run
     threading.Thread(target=_die_with_parent, daemon=True).start()
     cv2.setNumThreads(1)
-    _workbench = Workbench(plan)
+    # Results of an edited package must not be stored under the keys of the former one.
+    _workbench = Workbench(plan) if code_digest() == code else None
 
 
 def _die_with_parent() -> None:
@@ -84,7 +85,7 @@ def _die_with_parent() -> None:
 
 def _measure(task: Task) -> tuple[Result, ...]:
     if _workbench is None:
-        raise FaceCRFError("a worker process was not started properly; start again")
+        raise FaceCRFError("the package was changed since this run began; start again")
     return _workbench.measure(task)
 
 

@@ -35,6 +35,9 @@ MIN_BLENDS = 3
 MAX_BLENDS = 12
 MIN_PATCHES = 10
 
+# Edge pixels at the border may hold light of a third color that lies just outside of the window.
+INNER = np.s_[2:-2, 2:-2]
+
 Mask = npt.NDArray[np.uint8]
 
 
@@ -194,7 +197,8 @@ def _examine(
     patches = []
     for n in np.flatnonzero(_usable(windows, regions, deviations)):
         deviation = float(deviations[n])
-        blends = _blended_pixels(windows[n][labels[n] == 0], regions[n], deviation)
+        edge_pixels = windows[n][INNER][labels[n][INNER] == 0]
+        blends = _blended_pixels(edge_pixels, regions[n], deviation)
         if blends is not None:
             row, column = corners[n].tolist()
             patches.append(EdgePatch((column, row), regions[n], deviation, blends))

@@ -1,8 +1,8 @@
 """RankCRF on a single image: rank minimization on color blends (Lee et al., PAMI 2013).
 
-The curve of a channel is the paper's polynomial `g(D) = D + D (D - 1) sum c_i D^(n-i-1)`, which runs
-from 0 to 1 whatever its coefficients, with no prior but monotonicity. The paper starts from the
-identity; so does this, raising the degree step by step from 2, so that each fit starts the next.
+The curve of a channel is the paper's polynomial `g(D) = D + D (D - 1) sum c_i D^(n-i-1)`, which
+runs from 0 to 1 whatever its coefficients, with no prior but monotonicity. The paper starts from
+the identity; so does this, raising the degree from 2 on, so that each fit starts the next.
 """
 
 from __future__ import annotations
