@@ -232,11 +232,6 @@ def test_unknown_estimators_and_fallbacks_are_refused_with_those_that_are_known(
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(
-    strict=True,
-    reason="the paper's weight lets E_p drive the channels apart until one row makes up the "
-    "matrices: a worse answer than taking codes for light",
-)
 @pytest.mark.parametrize("seed", [11, 12])
 def test_a_natural_portrait_gives_a_curve_that_is_better_than_none(seed):
     """With noise, highlights and shadows: nearer to the truth than taking codes for light."""

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from facecrf_ocio.energy.pigment import PigmentEvidence, SkinPigment, singular_ratio
+from facecrf_ocio.energy.pigment import PigmentEvidence, SkinPigment, balanced_ratio, singular_ratio
 from facecrf_ocio.response.model import dorf_model
 from facecrf_ocio.synthetic.skin import DIRECTIONS
 
@@ -88,6 +88,30 @@ def test_rank_one_columns_have_ratio_0(direction, count, seed):
 def test_the_ratio_ignores_the_scale_of_all_columns(seed, scale):
     columns = np.random.default_rng(seed).normal(size=(3, 8))
     assert singular_ratio(scale * columns)[0] == pytest.approx(singular_ratio(columns)[0])
+
+
+@given(st.integers(3, 30), seeds)
+def test_gradient_of_the_balanced_ratio_agrees_with_differences(count, seed):
+    rng = np.random.default_rng(seed)
+    columns = np.array([[3.0], [2.0], [1.0]]) * rng.normal(size=(3, count))
+    _, gradient = balanced_ratio(columns)
+    directions = rng.normal(size=(4, 3, count))
+    slopes = directional_slopes(lambda c: balanced_ratio(c)[0], columns, directions, 1e-6)
+    lengths = np.sqrt((columns**2).mean(axis=1, keepdims=True))
+    singular = np.linalg.svd(columns / lengths, compute_uv=False)
+    gap = np.abs(np.diff(singular**2)).min() / singular[0] ** 2
+    expected = (directions * gradient).sum(axis=(1, 2))
+    assert np.allclose(slopes, expected, atol=1e-5 + 1e-9 / gap)
+
+
+@given(seeds, arrays(float, (3, 1), elements=st.floats(0.01, 100.0)))
+def test_the_balanced_ratio_ignores_the_scale_of_each_channel(seed, scales):
+    """So a curve cannot lower it by being steep in one channel; rank one stays rank one."""
+    rng = np.random.default_rng(seed)
+    columns = rng.normal(size=(3, 8))
+    assert balanced_ratio(scales * columns)[0] == pytest.approx(balanced_ratio(columns)[0])
+    rank_one = np.outer(rng.uniform(0.1, 1.0, 3), rng.normal(size=8))
+    assert balanced_ratio(rank_one)[0] == pytest.approx(0.0, abs=1e-6)
 
 
 # --- value and gradient of E_p ---

@@ -84,8 +84,8 @@ def _gather(photo: Photo, model: ResponseModel, settings: Settings, *, shaded: b
     counts = [int(joined.is_melanin.sum()), int((~joined.is_melanin).sum())] if joined else [0, 0]
     if joined is None or min(counts) < settings.min_pairs:
         return Lacking(
-            f"the skin shows too few single-pigment changes ({counts[0]} of melanin, {counts[1]} of "
-            f"hemoglobin, {settings.min_pairs} of each are needed)",
+            f"the skin shows too few single-pigment changes ({counts[0]} of melanin and "
+            f"{counts[1]} of hemoglobin, {settings.min_pairs} of each are needed)",
             "use a larger, evenly lit, unretouched face, or --fallback mean",
         )
     return Evidence(
