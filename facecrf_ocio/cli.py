@@ -51,14 +51,11 @@ main.add_command(bench)
 @ending_well
 def linearize(photo: Path, output: Path, half: bool, compression: str, **choices: Any) -> int:
     """Calibrate PHOTO and write it as a scene-linear EXR."""
-    from facecrf_ocio import read_photo
-
     chosen = Choices(**choices)
     _require_exr_free(output, overwrite=chosen.overwrite)
     written: tuple[Path, ...] = ()
     with status(f"linearizing {photo}"):
-        source = read_photo(photo)
-        estimate = chosen.estimate(source)
+        source, estimate = chosen.read_and_estimate(photo)
         if estimate.found is not None:
             from facecrf_ocio.linearize import write_linear
 

@@ -68,7 +68,6 @@ class _Calibration:
         return tell(path, estimate, written, as_json=self.as_json)
 
     def _calibrate(self, path: Path) -> tuple[Estimate, tuple[Path, ...]]:
-        from facecrf_ocio import read_photo
         from facecrf_ocio.export import require_outputs_free, write_outputs
         from facecrf_ocio.export.atomic import require_free
 
@@ -77,8 +76,7 @@ class _Calibration:
         require_outputs_free(path, self.folder, self.formats, overwrite=overwrite)
         if self.plot:
             require_free(picture, overwrite=overwrite)
-        photo = read_photo(path)
-        estimate = self.choices.estimate(photo)
+        photo, estimate = self.choices.read_and_estimate(path)
         if estimate.found is None:
             return estimate, ()
         also = []

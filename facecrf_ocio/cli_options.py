@@ -83,11 +83,12 @@ class Choices:
         """The default settings, changed as asked."""
         return Settings(shared_curve=not self.per_channel)
 
-    def estimate(self, photo: Photo) -> Estimate:
-        """Estimate the curve of one photo."""
-        from facecrf_ocio import calibrate
+    def read_and_estimate(self, path: Path) -> tuple[Photo, Estimate]:
+        """Read one photo and estimate its curve."""
+        from facecrf_ocio import calibrate, read_photo
 
-        return calibrate(
+        photo = read_photo(path)
+        return photo, calibrate(
             photo, estimator=self.estimator, fallback=self.fallback, settings=self.settings
         )
 
