@@ -12,7 +12,7 @@ MODEL = dorf_model()
 GRID = MODEL.grid
 CELL = 64
 RADIUS = 14.0
-LOW, HIGH = 0.02, 0.97
+LOW, HIGH = 0.01, 0.97
 GAMMA22 = np.tile(GRID**2.2, (3, 1))
 MEAN = np.tile(MODEL.mean, (3, 1))
 

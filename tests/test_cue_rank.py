@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from facecrf_ocio.cues.edge_patches import find_edge_patches, gather_blends
 from facecrf_ocio.cues.evidence import FittedCurve, Lacking
-from facecrf_ocio.cues.rank import DEGREE, polynomial_basis, rank_cue
+from facecrf_ocio.cues.rank import DEGREE, fit_polynomials, polynomial_basis, rank_cue
 from facecrf_ocio.energy.color_blend import ColorBlend, EdgeBlends
 from facecrf_ocio.energy.rank_blend import BlendRank
 from facecrf_ocio.settings import Settings
@@ -120,12 +120,15 @@ def test_the_basis_goes_up_by_degree():
         pytest.param(GAMMA22, id="gamma22"),
         pytest.param(MEAN, id="mean"),
         pytest.param(IDENTITY, id="identity"),
-        pytest.param(nearest_polynomials(plausible_curves(1)), id="drawn1"),
-        pytest.param(nearest_polynomials(plausible_curves(2)), id="drawn2"),
+        *(
+            pytest.param(nearest_polynomials(plausible_curves(seed)), id=f"drawn{seed}")
+            for seed in (1, 2, 3)
+        ),
     ],
 )
 def test_recovers_curves_from_exact_blends(truth, bits):
     linear, _ = linear_scene()
+    assert (np.diff(truth) > 0.0).all()
     answer = rank_cue(photograph(linear, truth, bits=bits), MODEL, SETTINGS)
     assert isinstance(answer, FittedCurve)
     assert rmse(answer.samples, truth).max() < 0.01
@@ -137,6 +140,13 @@ def test_the_curves_run_from_0_to_1_on_the_models_grid():
     assert answer.samples.shape == (3, GRID.size)
     np.testing.assert_allclose(answer.samples[:, [0, -1]], np.tile([0.0, 1.0], (3, 1)), atol=1e-9)
     assert answer.encoded.shape[1] == 3
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_curves_rise_even_where_the_blends_are_noise(seed):
+    blends = random_blends(seed)
+    curves = fit_polynomials(BlendRank(blends, GRID.size), GRID, shared=False)
+    assert (np.maximum.accumulate(curves, axis=1) - curves).max() < 1e-3
 
 
 def test_one_shared_curve_can_be_asked_for():

@@ -92,7 +92,7 @@ def find_edge_patches(encoded: npt.NDArray[np.float32]) -> list[EdgePatch]:
     corners = _crossed_once(edges, _candidate_corners(edges))
     patches: dict[tuple[int, int], EdgePatch] = {}
     for width in EDGE_BANDS:
-        band = cv2.dilate(edges, np.ones((width, width), np.uint8))
+        band = np.asarray(cv2.dilate(edges, np.ones((width, width))), dtype=np.uint8)
         left = np.array([c for c in corners.tolist() if tuple(c) not in patches], dtype=np.intp)
         found, labels = _two_region_windows(band, left.reshape(-1, 2))
         for start in range(0, len(found), CHUNK):

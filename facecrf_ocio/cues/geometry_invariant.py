@@ -60,6 +60,7 @@ PLANAR_ERROR = 0.05
 MIN_POINTS = 20
 MIN_LEVELS = INTERVALS // 4
 MODEL_DEVIATION = 0.05
+MODE_TO_SPREAD = 0.5
 FEW_WINDOWS = 5.0
 MAX_SURPRISE = 4.0
 SUMMARY_SIZE = 256
@@ -167,6 +168,10 @@ def invariant_levels(points: PlanarPoints) -> Levels:
                 1.0 / variance,
                 points.share[near],
             )
+            # Spread beyond the noise comes from curved light, which also shifts the mode.
+            spread = 1.4826 * np.median(np.abs(points.invariant[near] - mode))
+            excess = np.sqrt(max(spread**2 - np.median(variance), 0.0))
+            deviation = float(np.hypot(deviation, MODE_TO_SPREAD * excess))
             found.append((edge, mode, deviation, float(points.share[near].sum())))
     return Levels(*np.array(found, dtype=np.float64).reshape(-1, 4).T)
 

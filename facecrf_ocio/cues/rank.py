@@ -3,28 +3,31 @@
 The curve of a channel is the paper's polynomial `g(D) = D + D (D - 1) sum c_i D^(n-i-1)`, which
 runs from 0 to 1 whatever its coefficients, with no prior but monotonicity. The paper starts from
 the identity; so does this, raising the degree from 2 on, so that each fit starts the next.
+
+The paper's monotonicity term adds 1000 for every code at which a curve falls. That is more than all
+condition numbers together can save, so the term only ever forbids; it is a constraint here, linear
+in the coefficients, because at its wall a descent gets stuck.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import LinearConstraint, minimize
 
 from facecrf_ocio.cues.edge_patches import find_edge_patches, gather_blends, lacking_patches
 from facecrf_ocio.cues.edge_selection import select_patches
 from facecrf_ocio.cues.evidence import Answer, FittedCurve
-from facecrf_ocio.energy.monotonicity import Monotonicity
 from facecrf_ocio.energy.rank_blend import BlendRank
+from facecrf_ocio.energy.term import Term
 from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.solve import Weighted
 from facecrf_ocio.values import CHANNELS, Float, Photo
 
 # Polynomials of degree 7 come within 0.001 of half of the DoRF curves and 0.014 of 95 % of them.
 DEGREE = 7
-MAX_ITERATIONS = 300
+RISING_INTERVALS = 64
+MAX_ITERATIONS = 100
+TOLERANCE = 1e-7
 
 
 def rank_cue(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
@@ -37,33 +40,28 @@ def rank_cue(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
     model
         Only its grid is used: RankCRF has no empirical prior.
     settings
-        `monotonicity_weight` is the paper's lambda, 1000 by default here as there.
+        Whether the channels share one curve.
     """
     patches = find_edge_patches(photo.encoded)
     lacking = lacking_patches(photo, len(patches))
     if lacking is not None:
         return lacking
     blends = gather_blends(select_patches(patches))
-    terms = (
-        Weighted("rank", 1.0, BlendRank(blends, model.grid.size)),
-        Weighted("monotonicity", settings.monotonicity_weight, Monotonicity()),
-    )
+    term = BlendRank(blends, model.grid.size)
     return FittedCurve(
-        fit_polynomials(terms, model.grid, shared=settings.shared_curve),
+        fit_polynomials(term, model.grid, shared=settings.shared_curve),
         blends.blends.T,
         f"{blends.regions.shape[1]} edge patches with {blends.patch.size} blended pixels",
     )
 
 
-def fit_polynomials(
-    terms: Sequence[Weighted], grid: Float, *, shared: bool, degree: int = DEGREE
-) -> Float:
-    """Polynomial curves (3, K) on the grid that minimize the terms.
+def fit_polynomials(term: Term, grid: Float, *, shared: bool, degree: int = DEGREE) -> Float:
+    """Rising polynomial curves (3, K) on the grid that minimize a term.
 
     Parameters
     ----------
-    terms
-        The objective.
+    term
+        What to minimize.
     grid
         (K,) encoded values.
     shared
@@ -71,11 +69,12 @@ def fit_polynomials(
     degree
         Highest power of D.
     """
-    basis = polynomial_basis(grid, degree)
-    coefficients = np.zeros((1 if shared else len(CHANNELS), 0))
+    # Scaled so that one unit of a coefficient moves the curve by about 1 at each code.
+    basis = polynomial_basis(grid, degree) * np.sqrt(grid.size)
+    coefficients: Float = np.zeros((1 if shared else len(CHANNELS), 0))
     for count in range(1, degree):
         start = np.pad(coefficients, ((0, 0), (0, 1)))
-        coefficients = _descend(terms, grid, basis[:count], start)
+        coefficients = _descend(term, grid, basis[:count], start)
     return np.array(np.broadcast_to(grid + coefficients @ basis, (len(CHANNELS), grid.size)))
 
 
@@ -88,28 +87,25 @@ def polynomial_basis(grid: Float, degree: int) -> Float:
     return np.asarray(np.linalg.qr(powers.T)[0].T)
 
 
-def _descend(terms: Sequence[Weighted], grid: Float, basis: Float, start: Float) -> Float:
-    # Unit steps of a coefficient move the curve by about 1 at each code.
-    scaled = basis * np.sqrt(grid.size)
+def _descend(term: Term, grid: Float, basis: Float, start: Float) -> Float:
+    """Coefficients of the nearest minimum among rising curves."""
+    codes = np.linspace(0, grid.size - 1, RISING_INTERVALS + 1).round().astype(np.intp)
+    slopes = np.kron(np.eye(len(start)), np.diff(basis[:, codes], axis=1).T) * RISING_INTERVALS
+    identity = np.tile(np.diff(grid[codes]), len(start)) * RISING_INTERVALS
 
     def evaluate(unknowns: Float) -> tuple[float, Float]:
-        offset = unknowns.reshape(start.shape) @ scaled
-        samples = np.array(np.broadcast_to(grid + offset, (len(CHANNELS), grid.size)))
-        value, by_samples = 0.0, np.zeros_like(samples)
-        for weighted in terms:
-            term_value, term_gradient = weighted.term.value_and_gradient(samples)
-            value += weighted.weight * term_value
-            by_samples += weighted.weight * term_gradient
-        by_unknowns = by_samples @ scaled.T
-        if len(start) == 1:
-            by_unknowns = by_unknowns.sum(axis=0, keepdims=True)
-        return value, by_unknowns.ravel()
+        curves = grid + unknowns.reshape(start.shape) @ basis
+        samples = np.array(np.broadcast_to(curves, (len(CHANNELS), grid.size)))
+        value, by_samples = term.value_and_gradient(samples)
+        by_curves = by_samples if len(start) > 1 else by_samples.sum(axis=0, keepdims=True)
+        return value, (by_curves @ basis.T).ravel()
 
     result = minimize(
         evaluate,
-        (start / np.sqrt(grid.size)).ravel(),
+        start.ravel(),
         jac=True,
-        method="L-BFGS-B",
-        options={"maxiter": MAX_ITERATIONS, "maxcor": 20},
+        method="SLSQP",
+        constraints=LinearConstraint(slopes, -identity, np.inf),
+        options={"maxiter": MAX_ITERATIONS, "ftol": TOLERANCE},
     )
-    return np.asarray(result.x.reshape(start.shape) * np.sqrt(grid.size))
+    return np.asarray(result.x.reshape(start.shape))

@@ -32,7 +32,7 @@ READ_TO_SHOT_SPREAD = 2.5
 VARIANCE_DEVIATION = 0.01
 SKEWNESS_DEVIATION = 0.005
 FIRST_ORDER_ITERATIONS = 5
-ITERATIONS = 20
+ITERATIONS = 25
 MAX_STEP = 1.5
 
 
@@ -80,7 +80,7 @@ class NoiseFit:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Linearized:
-    """Residuals of one channel's levels, their rows by log slopes, log A and log B, and errors."""
+    """Residuals of levels, their derivatives by the unknowns, and their standard deviations."""
 
     residuals: Float
     rows: Float
@@ -92,7 +92,9 @@ def fit_noise(channels: Sequence[NoiseLevels], prior: LogSlopePrior) -> NoiseFit
 
     The formulas above are of first order. Their difference to the exact moments of Gaussian noise
     sent through the current curve is taken from the data in each later step, so that the result
-    is not of first order.
+    is not of first order. Where the levels contradict the model by more than their errors, as
+    those of faint texture do, all errors are stretched until they do not (Birge's ratio), and the
+    prior counts for more.
 
     Parameters
     ----------
@@ -102,23 +104,45 @@ def fit_noise(channels: Sequence[NoiseLevels], prior: LogSlopePrior) -> NoiseFit
         Distribution of the log slopes.
     """
     unknowns = np.concatenate([prior.mean, _first_noise(channels, prior.mean)])
-    precision = _prior_precision(prior, len(channels))
     center = np.concatenate([prior.mean, np.tile([0.0, np.log(READ_TO_SHOT)], len(channels))])
+    precision = _prior_precision(prior, len(channels))
+    stretch = 1.0
     for iteration in range(ITERATIONS):
         exact = iteration >= FIRST_ORDER_ITERATIONS
-        normal = precision.copy()
-        gradient = precision @ (unknowns - center)
-        for index, levels in enumerate(channels):
-            part = np.r_[0:INTERVALS, INTERVALS + 2 * index, INTERVALS + 2 * index + 1]
-            fit = _linearize(levels, unknowns[part], exact=exact)
-            weighted = fit.rows / fit.deviation[:, None] ** 2
-            normal[np.ix_(part, part)] += weighted.T @ fit.rows
-            gradient[part] += weighted.T @ fit.residuals
+        data = _linearize_all(channels, unknowns, exact=exact)
+        weighted = data.rows / (stretch * data.deviation[:, None]) ** 2
+        normal = precision + weighted.T @ data.rows
+        gradient = precision @ (unknowns - center) + weighted.T @ data.residuals
         step = np.linalg.solve(normal, gradient)
         unknowns = unknowns - step * min(1.0, MAX_STEP / float(np.abs(step).max()))
+        if exact:
+            determined = float(np.trace(np.linalg.solve(normal, weighted.T @ data.rows)))
+            chi_square = float(((data.residuals / data.deviation) ** 2).sum())
+            stretch = max(1.0, np.sqrt(chi_square / (data.residuals.size - determined)))
     shot, read = np.exp(unknowns[INTERVALS:].reshape(-1, 2).T)
     full = float(np.exp(unknowns[:INTERVALS]).mean())
     return NoiseFit(unknowns[:INTERVALS], shot / full, read / full**2)
+
+
+def _linearize_all(
+    channels: Sequence[NoiseLevels], unknowns: Float, *, exact: bool
+) -> _Linearized:
+    """All channels below one another; log slopes are common, log A and log B are each one's own."""
+    parts = []
+    for index, levels in enumerate(channels):
+        own = INTERVALS + 2 * index
+        part = _linearize(
+            levels, np.concatenate([unknowns[:INTERVALS], unknowns[own : own + 2]]), exact=exact
+        )
+        rows = np.zeros((len(part.rows), unknowns.size))
+        rows[:, :INTERVALS] = part.rows[:, :INTERVALS]
+        rows[:, own : own + 2] = part.rows[:, INTERVALS:]
+        parts.append(_Linearized(part.residuals, rows, part.deviation))
+    return _Linearized(
+        np.concatenate([part.residuals for part in parts]),
+        np.concatenate([part.rows for part in parts]),
+        np.concatenate([part.deviation for part in parts]),
+    )
 
 
 def _linearize(levels: NoiseLevels, unknowns: Float, *, exact: bool) -> _Linearized:
