@@ -94,7 +94,7 @@ def _conclude(
             name,
             answer.summary,
             found=model.inverse_crf(answer.samples),
-            confidence=fitted_confidence(answer.encoded, model),
+            confidence=fitted_confidence(name, answer.encoded, model),
             assumptions=_assumptions(photo),
         )
     objective = (
@@ -108,7 +108,7 @@ def _conclude(
         name,
         answer.summary,
         found=model.inverse_crf(model.samples(solution.coefficients)),
-        confidence=fitted_confidence(answer.encoded, model),
+        confidence=fitted_confidence(name, answer.encoded, model),
         coefficients=solution.coefficients,
         energy=dict(solution.energy),
         faces=answer.faces,

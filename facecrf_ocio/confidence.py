@@ -10,6 +10,14 @@ from facecrf_ocio.values import CHANNELS, Confidence, Float, Verdict
 COVERAGE_BINS = 64
 
 
+_FACE = (
+    "the exponent of the curve rests on the prior: the estimator does not see it",
+    "on test faces the estimator was seldom nearer to the truth than the mean curve",
+)
+_REASONS = {"face": _FACE, "face-unshaded": _FACE}
+_UNTESTED = ("how far this estimator is to be trusted on photos has not been measured",)
+
+
 def prior_confidence(model: ResponseModel, reason: str) -> Confidence:
     """Confidence of a curve that rests on no evidence: the prior's own spread."""
     sigma = np.tile(_prior_sigma(model), (len(CHANNELS), 1))
@@ -17,8 +25,8 @@ def prior_confidence(model: ResponseModel, reason: str) -> Confidence:
     return Confidence(sigma, coverage, Verdict.PRIOR_ONLY, (reason,))
 
 
-def fitted_confidence(encoded: Float, model: ResponseModel) -> Confidence:
-    """Confidence of a curve that was fitted to evidence at encoded values (N, 3).
+def fitted_confidence(estimator: str, encoded: Float, model: ResponseModel) -> Confidence:
+    """Confidence of a curve that an estimator fitted to evidence at encoded values (N, 3).
 
     The band is the prior's spread: on the rendered development heads, photographed through
     curves that the prior had not seen, 90 % of the face estimators' errors were below 1.68 sigma
@@ -29,12 +37,8 @@ def fitted_confidence(encoded: Float, model: ResponseModel) -> Confidence:
     coverage = np.array([_coverage(values, codes) for values in encoded.T])
     sigma = np.tile(_prior_sigma(model), (len(CHANNELS), 1))
     low, high = np.quantile(encoded, [0.05, 0.95])
-    reasons = (
-        f"the evidence lies between the encoded values {low:.2f} and {high:.2f}",
-        "the exponent of the curve rests on the prior: the estimator does not see it",
-        "on test faces the estimator was seldom nearer to the truth than the mean curve",
-    )
-    return Confidence(sigma, coverage, Verdict.WEAK, reasons)
+    span = f"the evidence lies between the encoded values {low:.2f} and {high:.2f}"
+    return Confidence(sigma, coverage, Verdict.WEAK, (span, *_REASONS.get(estimator, _UNTESTED)))
 
 
 def _prior_sigma(model: ResponseModel) -> Float:

@@ -10,6 +10,8 @@ ESTIMATOR_NAMES = (
     "auto",
     "face",
     "face-unshaded",
+    "edge",
+    "rank",
     "mean",
     "srgb",
     "gamma22",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import cv2
 import numpy as np
 
@@ -17,6 +19,7 @@ GAMMA22 = np.tile(GRID**2.2, (3, 1))
 MEAN = np.tile(MODEL.mean, (3, 1))
 
 
+@cache
 def linear_scene(*, rows=10, columns=16, blur=0.7, seed=0):
     """Disks on grounds in linear light, and both colors of every cell (rows, columns, 2, 3).
 

@@ -89,9 +89,11 @@ def polynomial_basis(grid: Float, degree: int) -> Float:
 
 def _descend(term: Term, grid: Float, basis: Float, start: Float) -> Float:
     """Coefficients of the nearest minimum among rising curves."""
-    codes = np.linspace(0, grid.size - 1, RISING_INTERVALS + 1).round().astype(np.intp)
-    slopes = np.kron(np.eye(len(start)), np.diff(basis[:, codes], axis=1).T) * RISING_INTERVALS
-    identity = np.tile(np.diff(grid[codes]), len(start)) * RISING_INTERVALS
+    # Codes lie closer together toward 0 and 1, where polynomials turn fastest.
+    turns = np.linspace(0.0, np.pi, RISING_INTERVALS + 1)
+    codes = np.unique(((grid.size - 1) * (1.0 - np.cos(turns)) / 2.0).round().astype(np.intp))
+    slopes = (np.diff(basis[:, codes], axis=1) / np.diff(grid[codes])).T
+    rows = np.kron(np.eye(len(start)), slopes)
 
     def evaluate(unknowns: Float) -> tuple[float, Float]:
         curves = grid + unknowns.reshape(start.shape) @ basis
@@ -105,7 +107,7 @@ def _descend(term: Term, grid: Float, basis: Float, start: Float) -> Float:
         start.ravel(),
         jac=True,
         method="SLSQP",
-        constraints=LinearConstraint(slopes, -identity, np.inf),
+        constraints=LinearConstraint(rows, -1.0, np.inf),
         options={"maxiter": MAX_ITERATIONS, "ftol": TOLERANCE},
     )
     return np.asarray(result.x.reshape(start.shape))
