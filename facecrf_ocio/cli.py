@@ -20,6 +20,7 @@ from facecrf_ocio.cli_options import (
     estimation_options,
     exr_options,
 )
+from facecrf_ocio.cli_pair import pair
 from facecrf_ocio.cli_terminal import (
     DONE,
     EXIT_CODES,
@@ -42,6 +43,7 @@ def main() -> None:
 
 main.add_command(calibrate)
 main.add_command(bench)
+main.add_command(pair)
 
 
 @main.command()

@@ -34,7 +34,8 @@ PLOT_SUFFIX = ".crf.png"
 """Not `.png`, which next to a PNG photo would be the photo itself."""
 
 
-def _split_formats(context: click.Context, option: click.Parameter, value: str) -> tuple[str, ...]:
+def split_formats(context: click.Context, option: click.Parameter, value: str) -> tuple[str, ...]:
+    """Parse LUT formats separated by commas, or fail as wrong usage."""
     names = tuple(dict.fromkeys(name.strip().lower() for name in value.split(",") if name.strip()))
     known = ", ".join(FORMAT_NAMES)
     unknown = [name for name in names if name not in FORMAT_NAMES]
@@ -98,7 +99,7 @@ class _Calibration:
     "--formats",
     default=",".join(FORMAT_NAMES),
     show_default=True,
-    callback=_split_formats,
+    callback=split_formats,
     help="LUT formats, by commas.",
 )
 @click.option(

@@ -23,10 +23,12 @@ LAYERS = (
     ("energy",),
     ("solve",),
     ("cues", "confidence"),
-    ("calibrate",),
+    ("joint",),
+    ("calibrate", "together", "pair"),
     ("export", "apply"),
     ("report", "benchmark", "linearize", "demo", "synthetic"),
-    ("cli", "cli_options", "cli_terminal", "cli_calibrate", "cli_bench"),
+    ("training",),
+    ("cli", "cli_options", "cli_terminal", "cli_calibrate", "cli_bench", "cli_pair"),
 )
 RANK = {unit: rank for rank, layer in enumerate(LAYERS) for unit in layer}
 

@@ -1,0 +1,207 @@
+"""Start here: linear and encoded picture of one exposure in, the camera's response out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from facecrf_ocio.confidence import prior_confidence
+from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.pair.align import MIN_CORRELATION, Aligned, align
+from facecrf_ocio.pair.extrapolate import continued
+from facecrf_ocio.pair.fit import ChannelFit, fit_channel
+from facecrf_ocio.pair.samples import Samples, choose_samples
+from facecrf_ocio.response.model import CURVE_SIZE, ResponseModel, dorf_model, strictly_increasing
+from facecrf_ocio.values import (
+    CHANNELS,
+    Confidence,
+    Estimate,
+    Float,
+    InverseCRF,
+    Outcome,
+    Photo,
+    Verdict,
+)
+
+MIN_SAMPLES = 300
+MIN_SPAN = 0.25
+"""Codes that the samples must span to tell of a curve."""
+MAX_RESIDUAL_CODES = 12.0
+RELIABLE_RESIDUAL_CODES = 3.0
+RELIABLE_SPAN = 0.75
+_BINS = 64
+_MIN_PER_BIN = 10
+_ANOTHER = "give the two pictures of one exposure, neither of them retouched"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PairEstimate:
+    """The response of a camera and how it was found.
+
+    Attributes
+    ----------
+    estimate
+        As `calibrate` gives it; its band is the residual of the fit.
+    matrix
+        (3, 3) gains and color matrix that the camera applied to `linear` before its curve.
+    residual_codes
+        Per channel, robust standard deviation of the residual in 8-bit code values.
+    aligned
+        The two pictures on one grid.
+    """
+
+    estimate: Estimate
+    matrix: Float
+    residual_codes: tuple[float, float, float]
+    aligned: Aligned
+
+
+def calibrate_pair(
+    linear: Photo, encoded: Photo, *, model: ResponseModel | None = None
+) -> PairEstimate:
+    """Fit the inverse camera response that leads from one picture to the other.
+
+    Parameters
+    ----------
+    linear
+        Linear light, taken as such whatever the file says of itself; camera raw or a linear image.
+    encoded
+        What the camera made of the same exposure. Size, crop, orientation and lens
+        correction may differ.
+    model
+        Response model, for the shape and the band where the pictures have no values.
+
+    Raises
+    ------
+    PhotoError
+        If they are not linear and encoded pictures of one exposure, or too much is clipped.
+    """
+    model = model or dorf_model()
+    _check_kinds(linear, encoded)
+    aligned = align(linear, encoded)
+    if aligned.correlation < MIN_CORRELATION:
+        raise _mismatch(
+            linear, encoded, f"their contents agree by {aligned.correlation:.2f} of 1 only"
+        )
+    samples = choose_samples(aligned)
+    _check_samples(encoded, samples)
+    fits = [_fit(samples[c], c, model) for c in range(3)]
+    red, green, blue = (fit.residual_codes for fit in fits)
+    worst = max(red, green, blue)
+    if worst > MAX_RESIDUAL_CODES:
+        raise _mismatch(linear, encoded, f"no curve joins them, it is {worst:.0f} codes of 255 off")
+    matrix = np.array([fit.mixing for fit in fits])
+    estimate = Estimate(
+        Outcome.CALIBRATED,
+        "pair",
+        f"fitted to {sum(len(s.encoded) for s in samples)} samples of a linear picture, "
+        f"residual R {red:.1f} G {green:.1f} B {blue:.1f} codes of 255",
+        found=InverseCRF(
+            np.linspace(0.0, 1.0, CURVE_SIZE), strictly_increasing([fit.linear for fit in fits])
+        ),
+        confidence=_confidence(samples, fits, model, worst),
+        assumptions=_assumptions(encoded, matrix),
+    )
+    return PairEstimate(estimate, matrix, (red, green, blue), aligned)
+
+
+def _fit(samples: Samples, channel: int, model: ResponseModel) -> ChannelFit:
+    """Fit twice, the second time with a typical curve that resembles what the first has found."""
+    first = fit_channel(samples, channel, model.mean, model.grid.size)
+    low, high = np.quantile(samples.encoded, [0.01, 0.99])
+    seen = (model.grid >= low) & (model.grid <= high)
+    return fit_channel(samples, channel, continued(first.linear, seen, model), CURVE_SIZE)
+
+
+def _check_kinds(linear: Photo, encoded: Photo) -> None:
+    if linear.bit_depth is not None and linear.bit_depth < 10:
+        raise PhotoError(
+            linear.path,
+            f"has {linear.bit_depth} bits, too coarse for linear light",
+            "give the camera raw file, an EXR or a linear 16-bit TIFF first, the JPEG second",
+        )
+    if encoded.scene_linear:
+        raise PhotoError(
+            encoded.path,
+            "is scene-linear, so it has no response to find",
+            "give the camera raw file or linear image first, the camera's JPEG second",
+        )
+
+
+def _check_samples(encoded: Photo, samples: tuple[Samples, Samples, Samples]) -> None:
+    for channel, chosen in zip(CHANNELS, samples, strict=True):
+        if len(chosen.encoded) < MIN_SAMPLES or np.ptp(chosen.encoded) < MIN_SPAN:
+            span = float(np.ptp(chosen.encoded)) if len(chosen.encoded) else 0.0
+            raise PhotoError(
+                encoded.path,
+                f"has {len(chosen.encoded)} usable samples in {channel}, over {span:.2f} of the "
+                "code values, which is too few to see a curve",
+                "use a pair with light and dark areas, not clipped",
+            )
+
+
+def _mismatch(linear: Photo, encoded: Photo, evidence: str) -> PhotoError:
+    name = "the linear one" if linear.path is None else linear.path.name
+    return PhotoError(encoded.path, f"is not the picture that {name} shows ({evidence})", _ANOTHER)
+
+
+def _confidence(
+    samples: tuple[Samples, Samples, Samples],
+    fits: list[ChannelFit],
+    model: ResponseModel,
+    worst: float,
+) -> Confidence:
+    """The spread of the residual where there are samples, that of the prior where there are none.
+
+    A fit over hundreds of samples is surer than one of them; but what a pair gets wrong is mostly
+    not noise: local tone mapping, vignetting, saturation. These show in the residual.
+    """
+    prior = prior_confidence(model, "").sigma
+    codes = np.linspace(0.0, 1.0, CURVE_SIZE)
+    sigma, coverage = np.empty_like(prior), np.empty_like(prior)
+    for channel, (chosen, fit) in enumerate(zip(samples, fits, strict=True)):
+        centers, spreads, counts = _spreads(chosen.encoded, fit.residual)
+        coverage[channel] = np.interp(codes, centers, counts / max(counts.max(), 1))
+        seen = counts >= _MIN_PER_BIN
+        near = np.interp(codes, centers, np.asarray(seen, float))
+        measured = np.interp(codes, centers[seen], spreads[seen])
+        sigma[channel] = near * measured + (1 - near) * np.maximum(prior[channel], measured)
+    sigma[:, [0, -1]] = 0.0
+    low = max(float(s.encoded.min()) for s in samples)
+    high = min(float(s.encoded.max()) for s in samples)
+    reliable = worst <= RELIABLE_RESIDUAL_CODES and high - low >= RELIABLE_SPAN
+    return Confidence(
+        sigma,
+        coverage,
+        Verdict.RELIABLE if reliable else Verdict.WEAK,
+        (
+            "the band is the residual of the fit to the linear picture",
+            f"the samples lie between the encoded values {low:.2f} and {high:.2f}; beyond them the "
+            "curve keeps the shape of a typical one",
+        ),
+    )
+
+
+def _spreads(encoded: Float, residual: Float) -> tuple[Float, Float, Float]:
+    """Centers, robust standard deviations and counts of 64 ranges of codes."""
+    bins = np.clip((encoded * _BINS).astype(np.intp), 0, _BINS - 1)
+    counts = np.bincount(bins, minlength=_BINS).astype(np.float64)
+    spreads = np.array(
+        [1.4826 * np.median(np.abs(residual[bins == b])) if counts[b] else 0 for b in range(_BINS)]
+    )
+    return (np.arange(_BINS) + 0.5) / _BINS, spreads, counts
+
+
+def _assumptions(encoded: Photo, matrix: Float) -> tuple[str, ...]:
+    rows = "; ".join(" ".join(f"{value:.4f}" for value in row) for row in matrix)
+    if encoded.primaries is None:
+        primaries = "primaries are not known and taken as Rec.709 with a D65 white"
+    else:
+        primaries = f"primaries are {encoded.primaries.name}, from the {encoded.primaries.source}"
+    return (
+        primaries,
+        "linear light is relative: 1 is what the highest code stands for",
+        "the camera applied a 3 x 3 matrix and one curve per channel, alike over the whole photo; "
+        f"rows of the matrix: {rows}",
+    )
