@@ -248,14 +248,14 @@ def test_the_store_forgets_only_what_is_damaged(tmp_path):
     result = Result("paper", "mean", "a.exr", 0, "row 0", "", None, "fallback", True, "", 0.1, 0.1,
                     0.1, 1 / 3, 0.1, None, 0.9, 0.01)  # fmt: skip
     path = tmp_path / "new" / "cases.jsonl"
-    store = Store(path)
+    store = Store(path, Result)
     store.append({"a": result, "b": result})
     content = path.read_bytes()
     path.write_bytes(content.replace(b'{"key": "a"', b"{damaged") + b'{"key": "c", "proto')
-    again = Store(path)
+    again = Store(path, Result)
     assert again.results == {"b": result}
     again.append({"d": result})
-    assert Store(path).results == {"b": result, "d": result}
+    assert Store(path, Result).results == {"b": result, "d": result}
 
 
 @pytest.mark.parametrize(

@@ -7,13 +7,22 @@ import os
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any, Generic, TypeVar
 
-from facecrf_ocio.benchmark.workbench import Result
 from facecrf_ocio.errors import OutputError
 
+T = TypeVar("T")
 
-class Store:
+
+class Store(Generic[T]):
     """Results in a JSON Lines file, each under the key of its case.
+
+    Parameters
+    ----------
+    path
+        The file; made with the first result.
+    kind
+        Dataclass of the results.
 
     Attributes
     ----------
@@ -26,17 +35,17 @@ class Store:
         If the file cannot be read or written.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, kind: type[T]) -> None:
         self._path = path
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            self.results = _load(path)
+            self.results = _load(path, kind)
         except OSError as error:
             raise _refused(path, error) from error
 
-    def append(self, results: Mapping[str, Result]) -> None:
+    def append(self, results: Mapping[str, T]) -> None:
         """Add results, on the disk when this returns."""
-        lines = [json.dumps({"key": key, **asdict(result)}) for key, result in results.items()]
+        lines = [json.dumps({"key": key, **_record(result)}) for key, result in results.items()]
         try:
             with self._path.open("ab") as file:
                 file.write("".join(f"{line}\n" for line in lines).encode())
@@ -47,7 +56,7 @@ class Store:
         self.results.update(results)
 
 
-def _load(path: Path) -> dict[str, Result]:
+def _load(path: Path, kind: type[T]) -> dict[str, T]:
     """Read all whole lines, and cut off one that an interruption left unfinished."""
     if not path.exists():
         return {}
@@ -60,7 +69,7 @@ def _load(path: Path) -> dict[str, Result]:
         try:
             record = json.loads(line)
             key = record.pop("key")
-            results[key] = Result(**record)
+            results[key] = kind(**record)
         except (ValueError, KeyError, TypeError, AttributeError):
             continue  # damaged, or of a version with other columns: it is measured again
     return results
@@ -69,3 +78,7 @@ def _load(path: Path) -> dict[str, Result]:
 def _refused(path: Path, error: OSError) -> OutputError:
     problem = (error.strerror or str(error)).lower()
     return OutputError(f"{path}: cannot be written: {problem}; choose another folder with -o")
+
+
+def _record(result: Any) -> dict[str, Any]:
+    return asdict(result)

@@ -80,7 +80,7 @@ def run_synthetic(
     """
     _check_folds(plan)
     keys = plan.keys()
-    store = Store(output / "cases.jsonl")
+    store = Store(output / "cases.jsonl", Result)
     tasks = plan.tasks(keys, store.results)
     done = len(keys) - sum(len(task.cases) for task in tasks)
     progress(done, len(keys))

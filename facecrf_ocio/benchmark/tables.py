@@ -113,7 +113,7 @@ def markdown(rows: Sequence[Row]) -> str:
         chosen = [row for row in rows if row.protocol == protocol]
         parts += [
             f"{_TITLES.get(protocol, protocol)} ({chosen[0].cases} photos)",
-            _grid(headings, [_cells(row) for row in chosen]),
+            markdown_table(headings, [_cells(row) for row in chosen]),
         ]
     return "\n\n".join([*parts, _LEGEND]) + "\n"
 
@@ -127,7 +127,7 @@ def timing_markdown(results: Sequence[Result]) -> str:
         [name, f"{np.median(times):.3f}", f"{np.mean(times):.3f}", f"{np.max(times):.3f}"]
         for name, times in seconds.items()
     ]
-    return _grid(["seconds per photo", "median", "mean", "max"], cells) + "\n"
+    return markdown_table(["seconds per photo", "median", "mean", "max"], cells) + "\n"
 
 
 def rows_csv(rows: Sequence[Row]) -> bytes:
@@ -170,13 +170,18 @@ def _number(value: float | None, factor: float, digits: int = 2) -> str:
     return "-" if value is None else f"{factor * value:.{digits}f}"
 
 
-def _grid(headings: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
-    """A Markdown table whose columns line up, numbers to the right."""
+def markdown_table(headings: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
+    """Lay out a Markdown table whose columns line up, numbers to the right."""
     widths = [max(map(len, column)) for column in zip(headings, *cells, strict=True)]
     lines = [[text.ljust(widths[0]) if i == 0 else text.rjust(widths[i]) for i, text in
               enumerate(line)] for line in (headings, *cells)]  # fmt: skip
     rule = ["-" * widths[0], *("-" * (width - 1) + ":" for width in widths[1:])]
     return "\n".join(f"| {' | '.join(line)} |" for line in (lines[0], rule, *lines[1:]))
+
+
+def csv_table(records: Sequence[Mapping[str, object]]) -> bytes:
+    """Records with the same names, at full precision."""
+    return _csv(list(records[0]) if records else [], records)
 
 
 def _csv(names: Sequence[str], records: Iterable[Mapping[str, object]]) -> bytes:

@@ -12,8 +12,10 @@ import numpy as np
 from facecrf_ocio.benchmark.camera import count_codes, take_photo
 from facecrf_ocio.benchmark.cases import HELD_OUT, Case, Plan, Task
 from facecrf_ocio.benchmark.folds import fit_held_out
+from facecrf_ocio.benchmark.joint_folds import joint_model
 from facecrf_ocio.benchmark.metrics import score
 from facecrf_ocio.calibrate import calibrate
+from facecrf_ocio.joint import JointModel
 from facecrf_ocio.response.model import ResponseModel, dorf_model
 from facecrf_ocio.values import Estimate, Outcome, Photo
 
@@ -95,10 +97,16 @@ class Workbench:
         fold = self._fold(case)
         return dorf_model() if fold is None else self._fitted(fold)
 
+    def _judge(self, case: Case) -> ResponseModel | JointModel:
+        """What the estimator may know: the prior of the case, or what `joint` has learned."""
+        if case.estimator not in ("auto", "joint"):
+            return self.model(case)
+        return joint_model(self._plan.responses, self._fold(case))
+
     def _measure(self, case: Case, photo: Photo, counts: np.ndarray) -> Result:
         model, responses = self.model(case), self._plan.responses
         start = time.perf_counter()
-        estimate, failure = _estimate(photo, case.estimator, model, self._plan)
+        estimate, failure = _estimate(photo, case.estimator, self._judge(case), self._plan)
         seconds = time.perf_counter() - start
         scored = estimate
         if estimate.found is None:
@@ -141,7 +149,7 @@ class Workbench:
 
 
 def _estimate(
-    photo: Photo, estimator: str, model: ResponseModel, plan: Plan
+    photo: Photo, estimator: str, model: ResponseModel | JointModel, plan: Plan
 ) -> tuple[Estimate, str]:
     """The estimate, and what broke if the estimator did: one photo must not end a night's run."""
     try:
