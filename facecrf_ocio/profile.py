@@ -29,7 +29,7 @@ KNOWN_PRIMARIES = {
 # 0.001 in xy, while no two sets above are nearer to each other than 0.04.
 _SAME_XY = 0.004
 
-_BRADFORD = np.array(
+BRADFORD = np.array(
     [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]]
 )
 
@@ -120,8 +120,8 @@ def _adaptations(
 
 
 def _bradford(white: Float) -> Float:
-    cones = (_BRADFORD @ _xyz(D50)) / (_BRADFORD @ white)
-    return np.asarray(np.linalg.inv(_BRADFORD) @ np.diag(cones) @ _BRADFORD)
+    cones = (BRADFORD @ _xyz(D50)) / (BRADFORD @ white)
+    return np.asarray(np.linalg.inv(BRADFORD) @ np.diag(cones) @ BRADFORD)
 
 
 def _unadapted(adapted: Float, matrix: Float) -> Float:
