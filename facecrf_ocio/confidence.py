@@ -14,7 +14,16 @@ _FACE = (
     "on test faces the estimator was seldom nearer to the truth than the mean curve",
 )
 _RIVAL = ("on test faces the estimator was two to three times as far off as the mean curve",)
-_REASONS = {"face": _FACE, "face-unshaded": _FACE, "edge": _RIVAL, "rank": _RIVAL}
+_PLANES = ("noisy test faces showed this estimator too little for a measurement of its error",)
+_NOISE = ("on test faces the estimator was as far off as the mean curve",)
+_REASONS = {
+    "face": _FACE,
+    "face-unshaded": _FACE,
+    "edge": _RIVAL,
+    "geometry-invariant": _PLANES,
+    "intensity-similarity": _NOISE,
+    "rank": _RIVAL,
+}
 # Mean error on the rendered development heads over that of the mean curve, where it is larger
 # than the prior's spread allows for.
 _BAND_SCALE = {"edge": 2.3, "rank": 3.3}

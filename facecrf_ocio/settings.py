@@ -11,6 +11,8 @@ ESTIMATOR_NAMES = (
     "face",
     "face-unshaded",
     "edge",
+    "geometry-invariant",
+    "intensity-similarity",
     "rank",
     "mean",
     "srgb",
