@@ -18,18 +18,22 @@ from facecrf_ocio.cli_terminal import (
     complain,
     ending_well,
     exit_code_of,
+    one_line,
     problem_of,
     require_writable,
     status,
     tell,
     tell_json,
 )
-from facecrf_ocio.errors import FaceCRFError, OutputError
+from facecrf_ocio.errors import FaceCRFError, LutError, OutputError
 
 if TYPE_CHECKING:
+    from facecrf_ocio.together import Together
     from facecrf_ocio.values import Estimate
 
-FORMAT_NAMES = ("spi1d", "cube", "clf")
+FORMAT_NAMES = ("spi1d", "cube", "clf", "ctf", "csp", "icc")
+DEFAULT_FORMATS = "spi1d,cube,clf"
+SPACE_NAMES = ("acescg", "lin_rec709", "lin_p3d65", "aces2065-1")
 PLOT_SUFFIX = ".crf.png"
 """Not `.png`, which next to a PNG photo would be the photo itself."""
 
@@ -55,6 +59,7 @@ class _Calibration:
     plot: bool
     as_json: bool
     choices: Choices
+    together: Together | None = None
 
     def run(self, path: Path, message: str) -> int:
         """Calibrate one photo, tell of it, and return its exit code."""
@@ -77,7 +82,12 @@ class _Calibration:
         require_outputs_free(path, self.folder, self.formats, overwrite=overwrite)
         if self.plot:
             require_free(picture, overwrite=overwrite)
-        photo, estimate = self.choices.read_and_estimate(path)
+        if self.together is None:
+            photo, estimate = self.choices.read_and_estimate(path)
+        else:
+            from facecrf_ocio import read_photo
+
+            photo, estimate = read_photo(path), self.together.estimate
         if estimate.found is None:
             return estimate, ()
         also = []
@@ -90,6 +100,24 @@ class _Calibration:
         )
 
 
+def _estimate_together(photos: tuple[Path, ...], choices: Choices) -> Together:
+    """One curve of all photos; those that do not fit it are told on stderr."""
+    from facecrf_ocio.together import MISFIT_LIMIT
+
+    with status(f"calibrating {len(photos)} photos together"):
+        together = choices.estimate_together(photos)
+    for path, misfit, lacking in zip(photos, together.misfits, together.lacking, strict=True):
+        if lacking:
+            click.echo(f"facecrf: {one_line(str(path))}: says nothing: {lacking}", err=True)
+        elif misfit > MISFIT_LIMIT:
+            click.echo(
+                f"facecrf: {one_line(str(path))}: its own evidence lies {misfit:.1f} standard "
+                "deviations from the common curve; it may have another picture style",
+                err=True,
+            )
+    return together
+
+
 @click.command()
 @click.argument("photos", nargs=-1, required=True, type=PHOTO_PATH)
 @click.option(
@@ -97,13 +125,29 @@ class _Calibration:
 )
 @click.option(
     "--formats",
-    default=",".join(FORMAT_NAMES),
+    default=DEFAULT_FORMATS,
     show_default=True,
     callback=split_formats,
-    help="LUT formats, by commas.",
+    help=f"LUT formats, by commas, of {', '.join(FORMAT_NAMES)}.",
+)
+@click.option(
+    "--direction",
+    type=click.Choice(("linearize", "encode", "both")),
+    default="linearize",
+    show_default=True,
+    help="From code values to linear light, back (NAME.encode.clf), or a file for each.",
+)
+@click.option(
+    "--to",
+    "space",
+    type=click.Choice(SPACE_NAMES),
+    help="Go on to a working space by the photo's primaries; clf and ctf only (NAME.acescg.clf).",
 )
 @click.option(
     "--plot", is_flag=True, help=f"Also write NAME{PLOT_SUFFIX}: curves, skin mask, pigment map."
+)
+@click.option(
+    "--together", is_flag=True, help="One curve from all photos, which one camera took alike."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object per photo and line.")
 @estimation_options
@@ -112,8 +156,11 @@ def calibrate(
     photos: tuple[Path, ...],
     output: Path,
     formats: tuple[str, ...],
+    direction: str,
+    space: str | None,
     plot: bool,
     as_json: bool,
+    together: bool,
     **choices: Any,
 ) -> int:
     """Estimate the inverse camera response of each PHOTO and write it as LUT files.
@@ -121,14 +168,18 @@ def calibrate(
     For a.jpg the folder, made if it is missing, gets a.spi1d, a.cube, a.clf and a.crf.json.
     """
     from facecrf_ocio.export import require_distinct_names
+    from facecrf_ocio.export.lut import endings
 
     photos = tuple(dict.fromkeys(photos))
     try:
         require_distinct_names(photos)
-    except OutputError as error:
+        formats = endings(formats, direction, space or "")
+    except (OutputError, LutError) as error:
         return complain(str(error), USAGE)
     require_writable(output)
-    job = _Calibration(output, formats, plot, as_json, Choices(**choices))
+    chosen = Choices(**choices)
+    shared = _estimate_together(photos, chosen) if together else None
+    job = _Calibration(output, formats, plot, as_json, chosen, shared)
     codes = []
     for number, path in enumerate(photos, start=1):
         place = f" ({number} of {len(photos)})" if len(photos) > 1 else ""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from facecrf_ocio.cli_calibrate import FORMAT_NAMES, PLOT_SUFFIX, split_formats
+from facecrf_ocio.cli_calibrate import DEFAULT_FORMATS, PLOT_SUFFIX, split_formats
 from facecrf_ocio.cli_options import PHOTO_PATH, TEXT_PATH
 from facecrf_ocio.cli_terminal import ending_well, require_writable, status, tell
 
@@ -19,7 +19,7 @@ from facecrf_ocio.cli_terminal import ending_well, require_writable, status, tel
 )
 @click.option(
     "--formats",
-    default=",".join(FORMAT_NAMES),
+    default=DEFAULT_FORMATS,
     show_default=True,
     callback=split_formats,
     help="LUT formats, by commas.",

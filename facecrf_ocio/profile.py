@@ -8,7 +8,6 @@ from io import BytesIO
 
 import numpy as np
 import numpy.typing as npt
-from PIL import ImageCms
 
 from facecrf_ocio.values import Float, Primaries
 
@@ -62,6 +61,9 @@ def primaries_from_icc(profile: bytes) -> Primaries | None:
     Primaries or None
         None where the profile is damaged or has no RGB matrix (gray, CMYK, tables only).
     """
+    # Not needed by those who want the primaries' numbers alone.
+    from PIL import ImageCms  # noqa: PLC0415
+
     try:
         icc = ImageCms.ImageCmsProfile(BytesIO(profile)).profile
     except (OSError, ImageCms.PyCMSError):

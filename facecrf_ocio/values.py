@@ -213,8 +213,12 @@ class InverseCRF:
         """Map linear light to code values: the exact inverse of `linearize`."""
         return self._map(linear, tuple((curve, self.encoded) for curve in self.linear))
 
-    def write(self, path: str | Path, *, overwrite: bool = False) -> Path:
-        """Write the curve as the LUT file its suffix names (.spi1d, .cube, .clf).
+    def write(
+        self, path: str | Path, *, overwrite: bool = False, direction: str = "linearize"
+    ) -> Path:
+        """Write the curve as the LUT its suffix names (.spi1d, .cube, .clf, .ctf, .csp, .icc).
+
+        With the direction `encode` the file holds the inverse, from linear light to code values.
 
         The file appears whole or not at all, and is read back through OpenColorIO and compared.
 
@@ -228,7 +232,7 @@ class InverseCRF:
         # The one import against the grain: the curve is what users hold when they want a file.
         from facecrf_ocio.export import write_lut  # noqa: PLC0415
 
-        return write_lut(self, Path(path), overwrite=overwrite)
+        return write_lut(self, Path(path), overwrite=overwrite, direction=direction)
 
     @staticmethod
     def _map(

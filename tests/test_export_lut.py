@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 
 from facecrf_ocio.errors import LutError, OutputError, SettingsError
 from facecrf_ocio.export import FORMATS, lut, verify_lut, write_lut
+from facecrf_ocio.export.recipe import Recipe
 from facecrf_ocio.values import InverseCRF
 
 NODES = np.linspace(0.0, 1.0, 4096)
@@ -24,7 +25,7 @@ HOSTILE_TEXT = (
     "a -- b --> ]]> <x> & \"q\" 'é 日本 🙂'\nFrom 1 0\n}\n\x00\x0b\x1b\u2028\ufffe\udcff" * 40
 )
 
-every_format = pytest.mark.parametrize("suffix", FORMATS)
+every_format = pytest.mark.parametrize("suffix", ["spi1d", "cube", "clf", "ctf", "csp"])
 
 
 def curve_of(*channels: npt.NDArray[np.float64], encoded: npt.ArrayLike = NODES) -> InverseCRF:
@@ -68,8 +69,25 @@ def read_cube(path: Path) -> npt.NDArray[np.float32]:
 
 
 def read_clf(path: Path) -> npt.NDArray[np.float32]:
+    return read_xml(path, "compCLFversion", "3")
+
+
+def read_ctf(path: Path) -> npt.NDArray[np.float32]:
+    return read_xml(path, "version", "1.3")
+
+
+def read_csp(path: Path) -> npt.NDArray[np.float32]:
+    head, _, rest = path.read_text("ascii").partition("END METADATA\n\n")
+    assert head.splitlines()[:4] == ["CSPLUTV100", "1D", "", "BEGIN METADATA"]
+    shapers, length, table = rest.partition("\n4096\n")
+    assert shapers.split() == ["2", "0", "1", "0", "1"] * 3
+    assert length
+    return numbers(table.splitlines())
+
+
+def read_xml(path: Path, key: str, version: str) -> npt.NDArray[np.float32]:
     root = ElementTree.parse(path).getroot()  # noqa: S314 - our own file
-    assert (root.tag, root.get("compCLFversion")) == ("ProcessList", "3")
+    assert (root.tag, root.get(key)) == ("ProcessList", version)
     (node,) = root.findall("LUT1D")
     assert (node.get("inBitDepth"), node.get("outBitDepth")) == ("32f", "32f")
     (array,) = node.findall("Array")
@@ -77,7 +95,13 @@ def read_clf(path: Path) -> npt.NDArray[np.float32]:
     return numbers((array.text or "").strip().splitlines())
 
 
-READERS = {"spi1d": read_spi1d, "cube": read_cube, "clf": read_clf}
+READERS = {
+    "spi1d": read_spi1d,
+    "cube": read_cube,
+    "clf": read_clf,
+    "ctf": read_ctf,
+    "csp": read_csp,
+}
 
 
 def processor(path: Path) -> ocio.CPUProcessor:
@@ -201,7 +225,7 @@ def test_no_remark_can_break_a_file(suffix: str, tmp_path: Path) -> None:
 
 def test_remarks_can_be_read_again(tmp_path: Path) -> None:
     remark = {"Source": "Zoë <1> & co.jpg"}
-    paths = {s: write_lut(curve_of(NODES), tmp_path / f"a.{s}", provenance=remark) for s in FORMATS}
+    paths = {s: write_lut(curve_of(NODES), tmp_path / f"a.{s}", provenance=remark) for s in READERS}
     root = ElementTree.parse(paths["clf"]).getroot()  # noqa: S314 - our own file
     assert "Source: Zoë <1> & co.jpg" in [node.text for node in root.findall("Description")]
     assert "# Source: Zo\\xeb <1> & co.jpg" in paths["spi1d"].read_text().splitlines()
@@ -310,7 +334,7 @@ def test_a_file_that_does_not_read_back_never_appears(
     suffix: str, damage: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     curve = curve_of(NODES**2)
-    whole = FORMATS[suffix](curve, ())
+    whole = FORMATS[suffix](Recipe(curve), ())
     damaged = DAMAGE[damage](whole)
     assert damaged != whole
     monkeypatch.setattr(lut, "FORMATS", {suffix: lambda *_: damaged})

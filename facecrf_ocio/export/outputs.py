@@ -8,12 +8,13 @@ from pathlib import Path
 from facecrf_ocio import __version__
 from facecrf_ocio.errors import LutError, OutputError
 from facecrf_ocio.export.atomic import Draft, require_free, write_files
-from facecrf_ocio.export.lut import FORMATS, lut_draft, require_format
+from facecrf_ocio.export.lut import lut_draft, split_ending
+from facecrf_ocio.export.recipe import Recipe
 from facecrf_ocio.export.sidecar import SUFFIX, read_sidecar, sidecar_draft
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Estimate, Photo
 
-DEFAULT_FORMATS = tuple(FORMATS)
+DEFAULT_FORMATS = ("spi1d", "cube", "clf")
 
 
 def write_outputs(
@@ -25,10 +26,12 @@ def write_outputs(
     *,
     overwrite: bool = False,
     also: Sequence[Draft] = (),
+    stem: str | None = None,
 ) -> tuple[Path, ...]:
     """Write the LUTs and the sidecar of a photo, named after it; without a curve, the sidecar.
 
     The folder is made if it is missing. The drafts in `also` are written with them or not at all.
+    With `stem` the files are named after it instead of after the photo.
 
     Returns
     -------
@@ -47,14 +50,21 @@ def write_outputs(
     if photo.path is None:
         raise OutputError("a photo in memory has no name to name its files after; set Photo.path")
     formats = () if estimate.found is None else tuple(formats)
-    *luts, sidecar = require_outputs_free(photo.path, folder, formats, overwrite=overwrite)
-    drafts = [lut_draft(estimate.curve, lut, _provenance(photo, estimate)) for lut in luts]
+    *luts, sidecar = require_outputs_free(
+        photo.path, folder, formats, overwrite=overwrite, stem=stem
+    )
+    drafts = [
+        _lut_draft(ending, lut, photo, estimate)
+        for ending, lut in zip(dict.fromkeys(formats), luts, strict=True)
+    ]
     drafts.append(sidecar_draft(sidecar, photo, estimate, settings, luts))
     _make_folder(folder)
     return write_files([*drafts, *also], overwrite=overwrite)
 
 
-def output_paths(source: Path, folder: Path, formats: Iterable[str]) -> tuple[Path, ...]:
+def output_paths(
+    source: Path, folder: Path, formats: Iterable[str], stem: str | None = None
+) -> tuple[Path, ...]:
     """Return where `write_outputs` puts a photo's LUTs and, last, its sidecar.
 
     Raises
@@ -63,16 +73,22 @@ def output_paths(source: Path, folder: Path, formats: Iterable[str]) -> tuple[Pa
         If a format is unknown.
     """
     unique = dict.fromkeys(formats)
+    stem = source.stem if stem is None else stem
     for name in unique:
-        require_format(name)
+        split_ending(name)
     return (
-        *(folder / f"{source.stem}.{name}" for name in unique),
-        folder / f"{source.stem}{SUFFIX}",
+        *(folder / f"{stem}.{name}" for name in unique),
+        folder / f"{stem}{SUFFIX}",
     )
 
 
 def require_outputs_free(
-    source: Path, folder: Path, formats: Iterable[str], *, overwrite: bool
+    source: Path,
+    folder: Path,
+    formats: Iterable[str],
+    *,
+    overwrite: bool,
+    stem: str | None = None,
 ) -> tuple[Path, ...]:
     """Return `output_paths`, or raise what `write_outputs` would, before a photo is calibrated.
 
@@ -83,7 +99,7 @@ def require_outputs_free(
     LutError
         If a format is unknown.
     """
-    targets = output_paths(source, folder, formats)
+    targets = output_paths(source, folder, formats, stem)
     _require_same_source(targets[-1], source)
     for target in targets:
         require_free(target, overwrite=overwrite)
@@ -112,6 +128,12 @@ def _require_same_source(sidecar: Path, source: Path) -> None:
             f"{sidecar}: belongs to {owner}, not to {source.name}; write to another folder or "
             "rename one of the photos"
         )
+
+
+def _lut_draft(ending: str, path: Path, photo: Photo, estimate: Estimate) -> Draft:
+    space, direction, _ = split_ending(ending)
+    recipe = Recipe(estimate.curve, direction, space, photo.primaries)
+    return lut_draft(recipe, path, _provenance(photo, estimate))
 
 
 def _provenance(photo: Photo, estimate: Estimate) -> Mapping[str, str]:

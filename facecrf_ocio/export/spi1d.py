@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from facecrf_ocio.export.comments import hash_comments
-from facecrf_ocio.export.table import LUT_LENGTH, table_rows
-from facecrf_ocio.values import InverseCRF
+from facecrf_ocio.export.recipe import Recipe, uniform_rows
 
 
-def spi1d_text(curve: InverseCRF, comments: Sequence[str] = ()) -> str:
+def spi1d_text(recipe: Recipe, comments: Sequence[str] = ()) -> str:
     """Return the file's text; comments stand behind the table, where no reader looks."""
-    header = f"Version 1\nFrom 0 1\nLength {LUT_LENGTH}\nComponents 3\n"
-    return f"{header}{{\n{table_rows(curve)}}}\n{hash_comments(comments)}"
+    length, rows = uniform_rows(recipe)
+    header = f"Version 1\nFrom 0 1\nLength {length}\nComponents 3\n"
+    return f"{header}{{\n{rows}}}\n{hash_comments(comments)}"

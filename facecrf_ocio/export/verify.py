@@ -10,7 +10,8 @@ import numpy.typing as npt
 import PyOpenColorIO as ocio  # noqa: N813
 
 from facecrf_ocio.errors import LutError
-from facecrf_ocio.export.table import LUT_LENGTH, resample
+from facecrf_ocio.export.recipe import Recipe, expected
+from facecrf_ocio.export.table import LUT_LENGTH
 from facecrf_ocio.values import Float, InverseCRF
 
 TOLERANCE = 1e-6
@@ -38,30 +39,61 @@ def verify_lut(path: Path, curve: InverseCRF, *, name: Path | None = None) -> No
         If OpenColorIO cannot read the file, or differs from the curve by more than 1e-6 of white
         beyond what the float32 resolution of code values makes of a step.
     """
+    verify_recipe(path, Recipe(curve), name=name)
+
+
+def verify_recipe(path: Path, recipe: Recipe, *, name: Path | None = None) -> None:
+    """Check that OpenColorIO makes of a file what its recipe says; see `verify_lut`."""
     name = path if name is None else name
-    codes = np.concatenate(
-        [np.linspace(0.0, 1.0, n, dtype=np.float32) for n in (LUT_LENGTH, 65536)]
-    )
-    found = _read_through_ocio(path, codes, name)
-    error = _worst_error(found, codes, resample(curve))
-    if not error <= TOLERANCE:
+    places, tolerance = _places(), TOLERANCE
+    given = places
+    if recipe.encodes and recipe.matrix is not None:
+        given = (places @ recipe.matrix.T).astype(np.float32)
+    found: Float = _read_through_ocio(path, given, name).astype(np.float64)
+    if not recipe.encodes and recipe.matrix is not None:
+        found = np.linalg.solve(recipe.matrix, found.T).T
+        tolerance *= _gain(np.linalg.inv(recipe.matrix))
+    elif path.suffix.lower() == ".icc":
+        # It goes on to XYZ; what black and the three primaries become is the way back.
+        found = np.linalg.solve(
+            _read_through_ocio(path, np.eye(3, dtype=np.float32), name).T, found.T
+        ).T
+        tolerance *= 20.0  # entries are rounded to 1/65535, the colorants' inverse is near 3
+    resolution = _CODE_RESOLUTION
+    if recipe.encodes and recipe.matrix is not None:
+        resolution *= 4.0 * _gain(recipe.matrix) * _gain(np.linalg.inv(recipe.matrix))
+    nodes, values = expected(recipe, path.suffix.lower().removeprefix("."))
+    error = _worst_error(found, places, (nodes, values), resolution)
+    if not error <= tolerance:
         raise LutError(
             f"{name}: OpenColorIO reads it back with an error of {error:.3g}; nothing was written, "
             "please report this"
         )
 
 
+def _places() -> npt.NDArray[np.float32]:
+    """Return gray input (N, 3): the table's entries and all 16-bit codes."""
+    lengths = (LUT_LENGTH, 65536)
+    codes = np.concatenate([np.linspace(0.0, 1.0, n, dtype=np.float32) for n in lengths])
+    return np.repeat(codes[:, None], 3, axis=1)
+
+
+def _gain(matrix: Float) -> float:
+    return float(np.abs(matrix).sum(axis=1).max())
+
+
 def _read_through_ocio(
-    path: Path, codes: npt.NDArray[np.float32], name: Path
+    path: Path, given: npt.NDArray[np.float32], name: Path
 ) -> npt.NDArray[np.float32]:
-    """Return (N, 3) what OCIO maps the (N,) codes to."""
-    pixels = np.repeat(codes[:, None], 3, axis=1)
+    """Return (N, 3) what OCIO maps (N, 3) pixels to."""
+    pixels = np.ascontiguousarray(given).copy()
+    # OCIO takes a profile's own direction, from the connection space to the device, as forward.
+    to_device = path.suffix.lower() == ".icc"
+    direction = ocio.TRANSFORM_DIR_INVERSE if to_device else ocio.TRANSFORM_DIR_FORWARD
     try:
         transform = ocio.FileTransform(os.path.abspath(path))  # noqa: PTH100 - resolves no links
         # An empty context keeps OCIO from expanding $HOME and the like in the folder's name.
-        processor = ocio.Config.CreateRaw().getProcessor(
-            ocio.Context(), transform, ocio.TRANSFORM_DIR_FORWARD
-        )
+        processor = ocio.Config.CreateRaw().getProcessor(ocio.Context(), transform, direction)
         processor.getOptimizedCPUProcessor(
             ocio.BIT_DEPTH_F32, ocio.BIT_DEPTH_F32, ocio.OPTIMIZATION_LOSSLESS
         ).applyRGB(pixels)
@@ -81,16 +113,18 @@ def _read_through_ocio(
 
 
 def _worst_error(
-    found: npt.NDArray[np.float32], codes: npt.NDArray[np.float32], linear: Float
+    found: Float,
+    places: npt.NDArray[np.float32],
+    curve: tuple[Float, Float],
+    resolution: float,
 ) -> float:
     """Return by how much (N, 3) `found` leaves the curve as seen within the code resolution."""
-    nodes = np.linspace(0.0, 1.0, LUT_LENGTH)
-    places = codes.astype(np.float64)
     worst = 0.0
-    for channel, values in enumerate(linear):
-        low = np.interp(places - _CODE_RESOLUTION, nodes, values)
-        high = np.interp(places + _CODE_RESOLUTION, nodes, values)
-        given = found[:, channel].astype(np.float64)
+    for channel, (nodes, values) in enumerate(zip(*curve, strict=True)):
+        at = places[:, channel].astype(np.float64)
+        low = np.interp(at - resolution, nodes, values)
+        high = np.interp(at + resolution, nodes, values)
+        given = found[:, channel]
         # NaN must not pass: np.max keeps it, and the caller's comparison refuses it.
         worst = float(np.max([worst, np.max(low - given), np.max(given - high)]))
     return worst

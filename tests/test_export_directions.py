@@ -1,0 +1,118 @@
+"""Encoding, working spaces and ICC profiles, read by OpenColorIO and littleCMS."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import PyOpenColorIO as ocio  # noqa: N813
+import pytest
+from command_line import CommandLine, names_in, write_noise
+from PIL import Image, ImageCms
+
+from facecrf_ocio.errors import LutError, OutputError, SettingsError
+from facecrf_ocio.export import write_lut
+from facecrf_ocio.export.working_space import working_space_matrix
+from facecrf_ocio.profile import known_primaries, primaries_from_icc
+from facecrf_ocio.values import InverseCRF
+
+NODES = np.linspace(0.0, 1.0, 4096)
+CURVE = InverseCRF(NODES, np.stack([NODES**2.4, NODES**2.2, NODES**1.8]))
+P3 = known_primaries("Display P3", "ICC profile")
+
+
+def through_ocio(path: Path, pixels: np.ndarray) -> np.ndarray:
+    ocio.ClearAllCaches()
+    pixels = np.ascontiguousarray(pixels, np.float32).copy()
+    processor = ocio.Config.CreateRaw().getProcessor(ocio.FileTransform(str(path)))
+    processor.getOptimizedCPUProcessor(ocio.OPTIMIZATION_LOSSLESS).applyRGB(pixels)
+    return pixels
+
+
+def gray(values: np.ndarray) -> np.ndarray:
+    return np.repeat(np.asarray(values)[:, None], 3, axis=1)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "darkest"),
+    # Half floats are spaced by 6e-8 below 6e-5; a uniform table has its second entry at 1.5e-5.
+    [("ctf", 0.0), ("clf", 1e-5), ("spi1d", 0.02), ("cube", 0.02), ("csp", 0.02)],
+)
+def test_encoding_is_the_inverse_of_the_curve(suffix: str, darkest: float, tmp_path: Path) -> None:
+    path = write_lut(CURVE, tmp_path / f"a.{suffix}", direction="encode")
+    linear = gray(np.concatenate([np.linspace(darkest, 1.0, 9999), np.geomspace(1e-6, 1, 999)]))
+    linear = linear[linear[:, 0] >= darkest]
+    got, own = through_ocio(path, linear), CURVE.encode(linear)
+    np.testing.assert_allclose(got, own, rtol=0, atol=1e-6 if suffix != "ctf" else 3e-6)
+
+
+@pytest.mark.parametrize("suffix", ["clf", "ctf"])
+@pytest.mark.parametrize("space", ["acescg", "lin_rec709", "lin_p3d65", "aces2065-1"])
+def test_the_working_space_follows_the_curve(suffix: str, space: str, tmp_path: Path) -> None:
+    path = write_lut(CURVE, tmp_path / f"a.{suffix}", space=space, primaries=P3)
+    codes = np.random.default_rng(0).random((4000, 3), np.float32)
+    expected = CURVE.linearize(codes) @ working_space_matrix(P3, space).T
+    np.testing.assert_allclose(through_ocio(path, codes), expected, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("suffix", ["clf", "ctf"])
+def test_there_and_back_is_where_it_was(suffix: str, tmp_path: Path) -> None:
+    there, back = (
+        write_lut(CURVE, tmp_path / f"{d}.{suffix}", direction=d, space="acescg", primaries=P3)
+        for d in ("linearize", "encode")
+    )
+    codes = np.random.default_rng(1).uniform(0.05, 0.99, (4000, 3))
+    np.testing.assert_allclose(
+        through_ocio(back, through_ocio(there, codes)), codes, rtol=0, atol=2e-5
+    )
+
+
+def test_littlecms_reads_the_profile(tmp_path: Path) -> None:
+    path = write_lut(CURVE, tmp_path / "a.icc", primaries=P3)
+    found = primaries_from_icc(path.read_bytes())
+    assert found is not None
+    assert found.name == "Display P3"
+    ramp = Image.fromarray(np.repeat(np.arange(256, dtype=np.uint8), 3).reshape(16, 16, 3))
+    # Back to the same primaries with sRGB's curve, so that the curve alone is seen.
+    other = tmp_path / "srgb.icc"
+    srgb = np.where(NODES <= 0.04045, NODES / 12.92, ((NODES + 0.055) / 1.055) ** 2.4)
+    target = write_lut(InverseCRF(NODES, np.stack([srgb] * 3)), other, primaries=P3)
+    transform = ImageCms.buildTransform(str(path), str(target), "RGB", "RGB", 1)
+    got = np.asarray(ImageCms.applyTransform(ramp, transform)).reshape(-1, 3)
+    linear = CURVE.linearize(gray(np.arange(256) / 255.0))
+    expected = np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1 / 2.4) - 0.055)
+    assert np.abs(got[8:] - 255.0 * expected[8:]).max() <= 1.0
+
+
+def test_what_a_format_cannot_hold_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(LutError, match=r"a\.cube: .cube cannot hold the matrix to acescg; use clf"):
+        write_lut(CURVE, tmp_path / "a.cube", space="acescg")
+    with pytest.raises(LutError, match="ICC input profile goes from code values"):
+        write_lut(CURVE, tmp_path / "a.icc", direction="encode")
+    with pytest.raises(SettingsError, match="no direction 'sideways'"):
+        write_lut(CURVE, tmp_path / "a.clf", direction="sideways")
+    with pytest.raises(SettingsError, match="no working space 'xyz'"):
+        write_lut(CURVE, tmp_path / "a.clf", space="xyz")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("suffix", ["ctf", "csp", "icc"])
+def test_an_existing_file_stays(suffix: str, tmp_path: Path) -> None:
+    path = tmp_path / f"a.{suffix}"
+    path.write_bytes(b"former")
+    with pytest.raises(OutputError, match="exists already; pass --overwrite"):
+        write_lut(CURVE, path)
+    assert path.read_bytes() == b"former"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_the_command_writes_both_directions(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    photo, out = write_noise(tmp_path / "a.png"), tmp_path / "out"
+    run = CommandLine(capfd)
+    options = ("--estimator", "srgb", "--formats", "clf,ctf", "--direction", "both")
+    assert run("calibrate", photo, "-o", out, *options, "--to", "acescg").code == 0
+    names = {f"a.acescg.{d}{s}" for d in ("", "encode.") for s in ("clf", "ctf")}
+    assert names_in(out) == {*names, "a.crf.json"}
+    assert run("calibrate", photo, "-o", out, "--formats", "cube", "--to", "acescg").code == 2
