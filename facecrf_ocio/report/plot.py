@@ -105,7 +105,8 @@ def pair_positions(analyzed: AnalyzedFace) -> tuple[Float, Float]:
     return middle[is_melanin], middle[~is_melanin]
 
 
-def _blank(width: float, height: float) -> Figure:
+def blank(width: float, height: float) -> Figure:
+    """Return an empty figure of that size in inches, bound to no window."""
     margins = ConstrainedLayoutEngine(w_pad=0.1, h_pad=0.1)
     figure = Figure(figsize=(width, height), layout=margins)
     FigureCanvasAgg(figure)
@@ -113,13 +114,13 @@ def _blank(width: float, height: float) -> Figure:
 
 
 def _curves_only(estimate: Estimate) -> Figure:
-    figure = _blank(6.0, 6.5)
+    figure = blank(6.0, 6.5)
     _draw_curves(figure.subplots(), estimate)
     return figure
 
 
 def _with_face(estimate: Estimate, analyzed: AnalyzedFace, half_width: float) -> Figure:
-    figure = _blank(14.0, 6.4)
+    figure = blank(14.0, 6.4)
     axes = figure.subplot_mosaic(
         [["curves", "face", "pairs"], ["curves", "hues", "hues"]],
         width_ratios=[1.35, 1.0, 1.0],
