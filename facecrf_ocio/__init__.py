@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from facecrf_ocio.errors import OutputError as OutputError
     from facecrf_ocio.errors import PhotoError as PhotoError
     from facecrf_ocio.errors import SettingsError as SettingsError
+    from facecrf_ocio.joint import PhotoEvidence as PhotoEvidence
+    from facecrf_ocio.joint import conclude as conclude
+    from facecrf_ocio.joint import gather as gather
+    from facecrf_ocio.joint import misfit as misfit
     from facecrf_ocio.read import read_photo as read_photo
     from facecrf_ocio.settings import Settings as Settings
     from facecrf_ocio.values import Confidence as Confidence
@@ -23,12 +27,16 @@ if TYPE_CHECKING:
     from facecrf_ocio.values import Outcome as Outcome
     from facecrf_ocio.values import Photo as Photo
     from facecrf_ocio.values import Primaries as Primaries
+    from facecrf_ocio.together import Together as Together
+    from facecrf_ocio.together import calibrate_together as calibrate_together
     from facecrf_ocio.values import Verdict as Verdict
 
 __version__ = "0.1.0"
 
 _HOME = {
     "calibrate": "calibrate",
+    **dict.fromkeys(("Together", "calibrate_together"), "together"),
+    **dict.fromkeys(("PhotoEvidence", "conclude", "gather", "misfit"), "joint"),
     "read_photo": "read",
     "Settings": "settings",
     **dict.fromkeys(

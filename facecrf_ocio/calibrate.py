@@ -1,8 +1,9 @@
 """Start here: one photo in, its inverse camera response out.
 
-Read this page from top to bottom to follow a photo: its evidence is gathered by a cue
-(`cues/face.py` for faces), joined with the prior into one objective, minimized over the response
-model's coefficients, and turned into a valid curve with a confidence.
+Read this page from top to bottom to follow a photo. The default estimator gathers what every cue of
+the photo says and multiplies it with the prior (`joint/`). The paper's method and its rivals gather
+evidence by one cue (`cues/face.py` for faces), join it with the prior into one objective, minimize
+that over the response model's coefficients, and turn the result into a valid curve.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from facecrf_ocio.cues.registry import CUES
 from facecrf_ocio.energy.empirical import Empirical
 from facecrf_ocio.energy.monotonicity import Monotonicity
 from facecrf_ocio.errors import SettingsError
+from facecrf_ocio.joint import JointModel, conclude, gather, shipped_joint
 from facecrf_ocio.response.fixed import FIXED_CURVES, fixed_curve
 from facecrf_ocio.response.model import (
     CURVE_SIZE,
@@ -24,7 +26,7 @@ from facecrf_ocio.response.model import (
     dorf_model,
     strictly_increasing,
 )
-from facecrf_ocio.settings import ESTIMATOR_NAMES, FALLBACKS, Settings
+from facecrf_ocio.settings import ESTIMATOR_NAMES, FALLBACKS, PRIORS, Settings
 from facecrf_ocio.solve import Weighted, solve
 from facecrf_ocio.values import Confidence, Estimate, InverseCRF, Outcome, Photo, Verdict
 
@@ -34,8 +36,9 @@ def calibrate(
     *,
     estimator: str = "auto",
     fallback: str = "none",
+    prior: str = "auto",
     settings: Settings | None = None,
-    model: ResponseModel | None = None,
+    model: ResponseModel | JointModel | None = None,
 ) -> Estimate:
     """Estimate the inverse camera response of one photo.
 
@@ -44,14 +47,19 @@ def calibrate(
     photo
         As read by `read_photo`, or `Photo(encoded=...)` with an array (H, W, 3) in [0, 1].
     estimator
-        One of `settings.ESTIMATOR_NAMES`.
+        One of `settings.ESTIMATOR_NAMES`. `auto` is `joint`, but refuses a photo without evidence,
+        which `joint` answers with the mean of the prior.
     fallback
         The curve to answer with where the photo gives no evidence: `mean` response, `srgb`, or
         `none` for an estimate without a curve. The outcome says that it was a fallback.
+    prior
+        Which responses the estimator `joint` expects: `dorf` (film and early cameras), `modern`
+        (digital), or `auto`, which weighs them by the photo and by what the file says of itself.
+        The others know DoRF alone.
     settings
         Weights and thresholds; the defaults are documented in `Settings`.
     model
-        Response model and prior; the one fitted to DoRF by default.
+        Response model and prior; those that ship by default. A `JointModel` is for `joint`.
 
     Returns
     -------
@@ -62,24 +70,44 @@ def calibrate(
     Raises
     ------
     SettingsError
-        If the estimator or the fallback is not known.
+        If the estimator, the fallback or the prior is not known.
     """
     settings = settings or Settings()
-    model = model or dorf_model()
+    joint = model if isinstance(model, JointModel) else None
+    model = model if isinstance(model, ResponseModel) else dorf_model()
     if estimator not in ESTIMATOR_NAMES:
         raise SettingsError(f"no estimator {estimator!r}; known: {', '.join(ESTIMATOR_NAMES)}")
     if fallback not in FALLBACKS:
         raise SettingsError(f"no fallback {fallback!r}; known: {', '.join(FALLBACKS)}")
+    if prior not in PRIORS:
+        raise SettingsError(f"no prior {prior!r}; known: {', '.join(PRIORS)}")
     if photo.scene_linear:
         return _already_linear(photo)
     if estimator in FIXED_CURVES:
         return _fixed_curve(estimator, photo, model)
-    name = "face" if estimator == "auto" else estimator
-    answer = CUES[name](photo, model, settings)
-    estimate = _conclude(name, answer, photo, model, settings)
+    if estimator in ("auto", "joint"):
+        estimate = _joint(photo, estimator, prior, settings, joint)
+    else:
+        answer = CUES[estimator](photo, model, settings)
+        estimate = _conclude(estimator, answer, photo, model, settings)
     if estimate.outcome is Outcome.NOT_CALIBRATED and fallback != "none":
         return _fall_back(estimate, fallback, photo, model)
     return estimate
+
+
+def _joint(
+    photo: Photo, estimator: str, prior: str, settings: Settings, model: JointModel | None
+) -> Estimate:
+    """Every cue of the photo against the prior."""
+    model = model or shipped_joint()
+    evidence = gather(photo, settings, model.networks)
+    if not evidence.messages and estimator == "auto":
+        return Estimate(Outcome.NOT_CALIBRATED, "joint", evidence.lacking, evidence.remedy)
+    estimate = conclude([evidence], prior, model)
+    return replace(
+        estimate,
+        assumptions=(*_assumptions(photo), "the camera applied the same curve to all channels"),
+    )
 
 
 def _conclude(

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from facecrf_ocio.settings import ESTIMATOR_NAMES, FALLBACKS, Settings
+from facecrf_ocio.settings import ESTIMATOR_NAMES, FALLBACKS, PRIORS, VERDICTS, Settings
 
 if TYPE_CHECKING:
+    from facecrf_ocio.together import Together
     from facecrf_ocio.values import Estimate, Photo
 
 COMPRESSIONS = (
@@ -57,6 +58,19 @@ def estimation_options(command: Callable[..., Any]) -> Callable[..., Any]:
             help="Curve to use where the photo gives no evidence.",
         ),
         click.option(
+            "--prior",
+            type=click.Choice(PRIORS),
+            default="auto",
+            show_default=True,
+            help="Responses to expect: film and early cameras (dorf), digital ones (modern), both.",
+        ),
+        click.option(
+            "--min-confidence",
+            type=click.Choice(VERDICTS),
+            default=VERDICTS[0],
+            help="Write nothing where the verdict is below this (exit code 4).",
+        ),
+        click.option(
             "--per-channel/--shared",
             "per_channel",
             default=True,
@@ -75,6 +89,8 @@ class Choices:
 
     estimator: str
     fallback: str
+    prior: str
+    min_confidence: str
     per_channel: bool
     overwrite: bool
 
@@ -86,11 +102,28 @@ class Choices:
     def read_and_estimate(self, path: Path) -> tuple[Photo, Estimate]:
         """Read one photo and estimate its curve."""
         from facecrf_ocio import calibrate, read_photo
+        from facecrf_ocio.confidence import demand
 
         photo = read_photo(path)
-        return photo, calibrate(
-            photo, estimator=self.estimator, fallback=self.fallback, settings=self.settings
+        estimate = calibrate(
+            photo,
+            estimator=self.estimator,
+            fallback=self.fallback,
+            prior=self.prior,
+            settings=self.settings,
         )
+        return photo, demand(estimate, self.min_confidence)
+
+    def estimate_together(self, paths: tuple[Path, ...]) -> Together:
+        """One curve from all photos, which one camera took."""
+        from dataclasses import replace
+
+        from facecrf_ocio import calibrate_together, read_photo
+        from facecrf_ocio.confidence import demand
+
+        photos = (read_photo(path) for path in paths)
+        together = calibrate_together(photos, prior=self.prior, settings=self.settings)
+        return replace(together, estimate=demand(together.estimate, self.min_confidence))
 
 
 def exr_options(command: Callable[..., Any]) -> Callable[..., Any]:

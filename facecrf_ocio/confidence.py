@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from facecrf_ocio.response.model import CURVE_SIZE, ResponseModel
-from facecrf_ocio.values import CHANNELS, Confidence, Float, Verdict
+from facecrf_ocio.settings import VERDICTS
+from facecrf_ocio.values import CHANNELS, Confidence, Estimate, Float, Outcome, Verdict
 
 COVERAGE_BINS = 64
 
@@ -27,6 +28,30 @@ _REASONS = {
 # Mean error on the rendered development heads over that of the mean curve, where it is larger
 # than the prior's spread allows for.
 _BAND_SCALE = {"edge": 2.3, "rank": 3.3}
+
+
+def demand(estimate: Estimate, least: str) -> Estimate:
+    """The estimate, or a refusal where its verdict is below the least wanted.
+
+    Parameters
+    ----------
+    estimate
+        With or without a curve.
+    least
+        One of `settings.VERDICTS`.
+    """
+    if estimate.found is None or estimate.confidence is None:
+        return estimate
+    verdict = str(estimate.confidence.verdict)
+    if VERDICTS.index(verdict) >= VERDICTS.index(least):
+        return estimate
+    return Estimate(
+        Outcome.NOT_CALIBRATED,
+        estimate.estimator,
+        f"the estimate is {verdict}, and {least} was asked for "
+        f"({'; '.join(estimate.confidence.reasons)})",
+        "use a larger, unretouched face, several photos together, or ask for less",
+    )
 
 
 def prior_confidence(model: ResponseModel, reason: str) -> Confidence:

@@ -8,6 +8,7 @@ from facecrf_ocio.errors import SettingsError
 
 ESTIMATOR_NAMES = (
     "auto",
+    "joint",
     "face",
     "face-unshaded",
     "edge",
@@ -20,6 +21,8 @@ ESTIMATOR_NAMES = (
     "identity",
 )
 FALLBACKS = ("none", "mean", "srgb")
+PRIORS = ("auto", "dorf", "modern")
+VERDICTS = ("prior only", "weak", "reliable")
 
 
 @dataclass(frozen=True, slots=True)

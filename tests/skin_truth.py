@@ -91,7 +91,9 @@ def see_with_true_geometry(truth: SyntheticFace, exponent: float = 2.2, bits: in
     geometry = FaceGeometry(
         np.zeros((1, 3)), np.zeros((1, 3), np.int32), truth.normals, truth.skin & facing
     )
-    view = FaceView(Face(np.zeros(4), np.zeros((478, 3)), 1.0), photo.encoded, geometry)
+    view = FaceView(
+        Face(np.zeros(4), np.zeros((478, 3)), 1.0), photo.encoded, geometry, photo.encoded
+    )
     analyzed = analyze_face(view, SETTINGS)
     assert analyzed is not None
     return Seen(truth, analyzed, *_truths(truth))

@@ -39,7 +39,7 @@ def analyzed_face() -> AnalyzedFace:
     histogram[[179, 0, 1]] = 0.25, 0.5, 0.25
     pairs = np.array([[0, 1], [1, 4], [3, 6]])  # right, down, down; skin pixels count row by row
     gradients = PigmentGradients(pairs, np.array([True, False, False]))
-    view = FaceView(Face(np.zeros(4), np.zeros((478, 3)), 1.0), NOISE, None)  # type: ignore[arg-type]
+    view = FaceView(Face(np.zeros(4), np.zeros((478, 3)), 1.0), NOISE, None, NOISE)  # type: ignore[arg-type]
     mask = SkinMask(skin, diffuse, 1.0, histogram)
     return AnalyzedFace(view, mask, None, None, gradients)  # type: ignore[arg-type]
 

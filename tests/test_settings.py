@@ -22,7 +22,7 @@ def test_defaults_are_the_paper_s_where_it_prints_them():
 
 
 def test_the_names_of_estimators_are_those_that_exist():
-    assert {"auto", *CUES, *FIXED_CURVES} == set(ESTIMATOR_NAMES)
+    assert {"auto", "joint", *CUES, *FIXED_CURVES} == set(ESTIMATOR_NAMES)
     assert len(set(ESTIMATOR_NAMES)) == len(ESTIMATOR_NAMES)
     assert set(FALLBACKS) - {"none"} <= set(FIXED_CURVES)
 

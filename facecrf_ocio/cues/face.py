@@ -39,11 +39,14 @@ class FaceView:
         (H, W, 3) float32 in [0, 1].
     geometry
         The mesh on this grid.
+    native
+        (h, w, 3) float32, the same cut as stored in the photo.
     """
 
     face: Face
     encoded: npt.NDArray[np.float32]
     geometry: FaceGeometry
+    native: npt.NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,7 +127,7 @@ def cut_face(photo: Photo, face: Face, settings: Settings) -> FaceView:
     geometry = face_geometry(
         face, (size[1], size[0]), origin=(float(left), float(top)), scale=scale
     )
-    return FaceView(face, encoded, geometry)
+    return FaceView(face, encoded, geometry, cut)
 
 
 def analyze_face(view: FaceView, settings: Settings) -> AnalyzedFace | None:

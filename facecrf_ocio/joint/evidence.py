@@ -1,0 +1,132 @@
+"""What one photo says of its camera's response: small enough to keep for every photo of an archive.
+
+The straight line from here: statistics of the photo and its largest face (`statistics.py`), a
+message of each cue (`messages.py`), their product with the prior (`fuse.py`, `prior.py`), and the
+curve with its band (`conclusion.py`).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
+
+from facecrf_ocio.cues.face import cut_face
+from facecrf_ocio.errors import SettingsError
+from facecrf_ocio.face.detect import find_faces
+from facecrf_ocio.joint.messages import Networks, shipped_networks
+from facecrf_ocio.joint.metadata import modern_leaning
+from facecrf_ocio.joint.prior import Message
+from facecrf_ocio.joint.statistics import face_statistics, photo_statistics
+from facecrf_ocio.settings import Settings
+from facecrf_ocio.values import Face, Float, Photo
+
+COVERAGE_BINS = 64
+_COLOR = "use a color version, or --fallback mean"
+_LARGER = "use a larger version of the photo, or --fallback mean"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PhotoEvidence:
+    """The messages of one photo's cues.
+
+    Attributes
+    ----------
+    messages
+        For each cue the photo shows, a Gaussian likelihood over the prior's coefficients.
+    coverage
+        (3, 64) share of the evidence in each bin of encoded values.
+    leaning
+        Log odds for a modern response, from what the file says of its camera.
+    lacking, remedy
+        Why the photo says nothing, and what the user can do; empty if it does say something.
+    face
+        The face used, if any; not stored.
+    """
+
+    messages: Mapping[str, Message]
+    coverage: Float
+    leaning: float = 0.0
+    lacking: str = ""
+    remedy: str = ""
+    face: Face | None = field(default=None, repr=False)
+
+    def to_json(self) -> str:
+        """As text for a manifest; `from_json` gives back the same numbers."""
+        return json.dumps(
+            {
+                "messages": {
+                    cue: [m.mean.tolist(), m.precision.tolist()] for cue, m in self.messages.items()
+                },
+                "coverage": np.asarray(self.coverage).tolist(),
+                "leaning": self.leaning,
+                "lacking": self.lacking,
+                "remedy": self.remedy,
+            }
+        )
+
+    @staticmethod
+    def from_json(text: str) -> PhotoEvidence:
+        """Read what `to_json` wrote.
+
+        Raises
+        ------
+        SettingsError
+            If the text is something else.
+        """
+        try:
+            stored = json.loads(text)
+            messages = {
+                cue: Message(np.array(mean), np.array(precision))
+                for cue, (mean, precision) in stored["messages"].items()
+            }
+            return PhotoEvidence(
+                messages,
+                np.array(stored["coverage"]),
+                stored["leaning"],
+                stored["lacking"],
+                stored["remedy"],
+            )
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise SettingsError(f"no evidence of a photo: {error}") from error
+
+
+def gather(
+    photo: Photo, settings: Settings | None = None, networks: Networks | None = None
+) -> PhotoEvidence:
+    """Ask every cue of one photo.
+
+    A photo without a face, or without color, gives evidence without messages that says why.
+    """
+    settings = settings or Settings()
+    networks = networks or shipped_networks()
+    leaning = modern_leaning(photo.camera)
+    lacking = partial(PhotoEvidence, {}, np.zeros((3, COVERAGE_BINS)), leaning)
+    if photo.grayscale and photo.encoded.min() == photo.encoded.max():
+        return lacking("all pixels have one color", "use a photo with a face")
+    if photo.grayscale:
+        return lacking("the photo is grayscale, and skin shows its response only in color", _COLOR)
+    found = find_faces(photo.encoded, settings)
+    if not found.faces and found.too_small:
+        count = "1 face" if found.too_small == 1 else f"{found.too_small} faces"
+        return lacking(f"{count} found, narrower than {settings.min_face_width} px", _LARGER)
+    if not found.faces:
+        return lacking("no face found", "use a photo with a face, or --fallback mean")
+    face = max(found.faces, key=lambda candidate: float(candidate.box_xy[2]))
+    statistics = face_statistics(cut_face(photo, face, settings), settings)
+    if statistics is None:
+        return lacking("the face shows too little skin of one hue", _LARGER)
+    by_cue = {**photo_statistics(photo.encoded), **statistics.by_cue}
+    return PhotoEvidence(
+        networks.messages(by_cue), _histograms(statistics.encoded), leaning, face=face
+    )
+
+
+def _histograms(encoded: Float) -> Float:
+    counts = [
+        np.histogram(encoded[:, c], bins=COVERAGE_BINS, range=(0.0, 1.0))[0] for c in range(3)
+    ]
+    return np.asarray(counts, dtype=np.float64) / max(1, len(encoded))

@@ -1,0 +1,23 @@
+"""What a file says of itself: odds for a modern digital response against film and early cameras."""
+
+from __future__ import annotations
+
+from facecrf_ocio.values import Camera
+
+# Film scanners and their software digitize film, whose responses are DoRF's.
+_SCANNERS = ("scan", "coolscan", "nikon ls-", "noritsu", "frontier", "vuescan", "perfection")
+# Odds of e^2 to 1: most files that name a camera come from digital cameras made after DoRF (2003),
+# and some of those were edited or developed with other curves.
+_ODDS = 2.0
+
+
+def modern_leaning(camera: Camera) -> float:
+    """Log odds for the family `modern`; 0 where the file does not name its camera.
+
+    These odds are a judgment, not a measurement: no collection of files with known responses
+    tells how often each family occurs.
+    """
+    text = f"{camera.make} {camera.model} {camera.software}".lower()
+    if any(word in text for word in _SCANNERS):
+        return -_ODDS
+    return _ODDS if camera.make.strip() or camera.model.strip() else 0.0

@@ -1,0 +1,155 @@
+"""The prior of the joint estimator: families of responses, and what evidence makes of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+
+from facecrf_ocio.errors import SettingsError
+from facecrf_ocio.settings import PRIORS
+from facecrf_ocio.values import Float, frozen
+
+FAMILIES = ("dorf", "modern")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Message:
+    """What a cue says of the coefficients: a Gaussian likelihood with independent deviations.
+
+    Attributes
+    ----------
+    mean, precision
+        (M,) in units of the prior's coefficients.
+    """
+
+    mean: Float
+    precision: Float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Posterior:
+    """A Gaussian mixture over the coefficients.
+
+    Attributes
+    ----------
+    weights, means, covariances
+        (K,), (K, M), (K, M, M).
+    """
+
+    weights: Float
+    means: Float
+    covariances: Float
+
+    @property
+    def mean(self) -> Float:
+        """(M,) mean of the mixture: the coefficients with the least expected squared error."""
+        return np.asarray(self.weights @ self.means)
+
+    @property
+    def covariance(self) -> Float:
+        """(M, M) covariance of the mixture."""
+        offset = self.means - self.mean
+        within = np.einsum("k,kmn->mn", self.weights, self.covariances)
+        return np.asarray(within + np.einsum("k,km,kn->mn", self.weights, offset, offset))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FamilyPrior:
+    """Responses of several families as one Gaussian mixture over eleven coefficients.
+
+    Attributes
+    ----------
+    grid
+        (K,) uniform encoded values from 0 to 1.
+    mean
+        (K,) mean inverse response.
+    basis
+        (M, K) eigenvectors, scaled so that coefficients have unit variance.
+    weights, means, covariances
+        Of the mixture's components, (C,), (C, M), (C, M, M).
+    family
+        (C,) index into `FAMILIES` of each component.
+    """
+
+    grid: Float
+    mean: Float
+    basis: Float
+    weights: Float
+    means: Float
+    covariances: Float
+    family: Float
+
+    def __post_init__(self) -> None:
+        for name in ("grid", "mean", "basis", "weights", "means", "covariances", "family"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    def samples(self, coefficients: Float) -> Float:
+        """Curves on the grid, (..., M) -> (..., K); neither clamped nor made monotone."""
+        return np.asarray(self.mean + coefficients @ self.basis)
+
+    def weights_for(self, prior: str, leaning: float = 0.0) -> Float:
+        """Weights of the components, (C,).
+
+        Parameters
+        ----------
+        prior
+            `dorf`, `modern`, or `auto` for both.
+        leaning
+            Log odds that the file's metadata add to `modern` where the prior is `auto`.
+
+        Raises
+        ------
+        SettingsError
+            If the prior is not known.
+        """
+        if prior not in PRIORS:
+            raise SettingsError(f"no prior {prior!r}; known: {', '.join(PRIORS)}")
+        modern = 1.0 / (1.0 + np.exp(-leaning))
+        odds = {"auto": (1.0 - modern, modern), "dorf": (1.0, 0.0), "modern": (0.0, 1.0)}[prior]
+        weights = self.weights * np.asarray(odds)[self.family.astype(np.intp)]
+        return np.asarray(weights / weights.sum())
+
+    def posterior(self, message: Message | None, weights: Float) -> Posterior:
+        """Multiply the prior with a likelihood; a product of Gaussians, component by component."""
+        if message is None:
+            return Posterior(weights, self.means, self.covariances)
+        precisions = np.linalg.inv(self.covariances)
+        covariances = np.linalg.inv(precisions + np.diag(message.precision))
+        pull = np.einsum("kmn,kn->km", precisions, self.means) + message.precision * message.mean
+        means = np.einsum("kmn,kn->km", covariances, pull)
+        spread = self.covariances + np.diag(1.0 / message.precision)
+        offset = self.means - message.mean
+        fit = np.einsum("km,km->k", offset, np.linalg.solve(spread, offset[..., None])[..., 0])
+        with np.errstate(divide="ignore"):
+            logs = np.log(weights) - 0.5 * (fit + np.linalg.slogdet(spread)[1])
+        share = np.exp(logs - logs.max())
+        return Posterior(share / share.sum(), means, covariances)
+
+    def deviations(self, posterior: Posterior) -> Float:
+        """(K,) standard deviation of the posterior's curves on the grid."""
+        variance = np.einsum("mk,mn,nk->k", self.basis, posterior.covariance, self.basis)
+        return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
+
+
+def load_prior(path: Path) -> FamilyPrior:
+    """Read the arrays of a prior from the file that `train` writes."""
+    with np.load(path) as stored:
+        mean = stored["prior_mean"]
+        return FamilyPrior(
+            np.linspace(0.0, 1.0, mean.size),
+            mean,
+            *(
+                stored[f"prior_{name}"]
+                for name in ("basis", "weights", "means", "covariances", "family")
+            ),
+        )
+
+
+@cache
+def shipped_prior() -> FamilyPrior:
+    """The prior that ships, fitted to DoRF and to published modern responses."""
+    return load_prior(Path(str(files("facecrf_ocio.joint") / "joint_model.npz")))

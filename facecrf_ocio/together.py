@@ -1,0 +1,67 @@
+"""Several photos of one camera: one curve, with a tighter band than any of them gives alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from facecrf_ocio.joint import JointModel, conclude, gather, misfit, shipped_joint
+from facecrf_ocio.settings import Settings
+from facecrf_ocio.values import Estimate, Photo
+
+MISFIT_LIMIT = 3.0
+"""Standard deviations from which a photo is taken to have another curve than its group."""
+
+
+@dataclass(frozen=True, slots=True)
+class Together:
+    """One curve of several photos.
+
+    Attributes
+    ----------
+    estimate
+        The curve.
+    misfits
+        For each photo, in their order, how far its own evidence lies from the curve, in standard
+        deviations; 0 for a photo without evidence. Above `MISFIT_LIMIT` it was probably made with
+        another picture style, or edited.
+    lacking
+        For each photo, why it said nothing; empty for those that did.
+    """
+
+    estimate: Estimate
+    misfits: tuple[float, ...]
+    lacking: tuple[str, ...]
+
+
+def calibrate_together(
+    photos: Iterable[Photo],
+    *,
+    prior: str = "auto",
+    settings: Settings | None = None,
+    model: JointModel | None = None,
+) -> Together:
+    """Estimate the one curve of photos that one camera took with the same picture settings.
+
+    Photos are asked one after the other, so a generator that reads them keeps only one in memory.
+
+    Parameters
+    ----------
+    photos
+        Photos that are encoded; scene-linear ones have no curve to share.
+    prior, settings, model
+        As for `calibrate`.
+
+    Raises
+    ------
+    SettingsError
+        If the prior is not known.
+    """
+    model = model or shipped_joint()
+    evidence = [gather(photo, settings, model.networks) for photo in photos]
+    estimate = conclude(evidence, prior, model)
+    return Together(
+        estimate,
+        tuple(misfit(one, estimate, model) for one in evidence),
+        tuple(one.lacking for one in evidence),
+    )

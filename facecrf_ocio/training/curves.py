@@ -1,0 +1,127 @@
+"""Responses to train with: the measured ones, and what lies between and beside them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from facecrf_ocio.benchmark.folds import GUARD_ROWS
+from facecrf_ocio.benchmark.responses import read_responses
+from facecrf_ocio.values import Float, Index
+
+FOLDS = 5
+_NEAREST = 12
+_KINDS = {"camera_jpeg": 0.4, "webcam": 0.35, "phone_isp": 0.2, "raw_converter": 0.05}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Draw:
+    """One response.
+
+    Attributes
+    ----------
+    inverse
+        (1024,) linear light at uniform encoded values.
+    family
+        0 for DoRF, 1 for modern ones, as in `joint.prior.FAMILIES`.
+    row
+        Of the measured response, or of the first of two.
+    """
+
+    inverse: Float
+    family: int
+    row: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CurveSource:
+    """Measured responses of both families.
+
+    Attributes
+    ----------
+    dorf
+        (C, 1024).
+    modern
+        (D, 1024).
+    kind
+        (D,) of each modern response.
+    """
+
+    dorf: Float
+    modern: Float
+    kind: tuple[str, ...]
+
+    def draw(self, generator: np.random.Generator, *, measured: bool) -> Draw:
+        """A response of either family with equal odds.
+
+        Parameters
+        ----------
+        generator
+            Source of randomness.
+        measured
+            True for a measured one as it is; False for one between it and a neighbor, with another
+            exponent and sometimes another white, so that the curves of unseen makers are not
+            farther from the trained ones than these are from each other.
+        """
+        family = int(generator.random() < 0.5)
+        row, curve = (self._modern if family else self._dorf)(generator, measured)
+        if not measured:
+            curve = curve ** np.exp(generator.normal(0.0, (0.06, 0.12)[family]))
+            if generator.random() < 0.5:
+                curve = _with_white(curve, 1.0 - abs(generator.normal(0.0, 0.08)))
+        return Draw(np.maximum.accumulate(curve), family, row)
+
+    def _dorf(self, generator: np.random.Generator, measured: bool) -> tuple[int, Float]:
+        """A neighbor to mix with comes from the same fold: what is held out must not leak."""
+        row = int(generator.integers(len(self.dorf)))
+        curve = self.dorf[row]
+        if measured or generator.random() < 0.4:
+            return row, curve
+        fold_of = fold_of_rows(len(self.dorf))
+        siblings = np.flatnonzero(fold_of == fold_of[row])
+        order = np.argsort(((self.dorf[siblings] - curve) ** 2).sum(axis=1))
+        other = self.dorf[siblings[generator.choice(order[1:_NEAREST])]]
+        share = 0.6 * generator.random()
+        return row, (1.0 - share) * curve + share * other
+
+    def _modern(self, generator: np.random.Generator, measured: bool) -> tuple[int, Float]:
+        kind = str(generator.choice(list(_KINDS), p=list(_KINDS.values())))
+        rows = np.flatnonzero([k == kind for k in self.kind])
+        row = int(generator.choice(rows))
+        curve = self.modern[row]
+        if measured or generator.random() < 0.3:
+            return row, curve
+        share = generator.random()
+        return row, (1.0 - share) * curve + share * self.modern[generator.choice(rows)]
+
+
+def read_curves(dorf: Path, modern: Path) -> CurveSource:
+    """Read DoRF's .mat file, and an .npz with `inverse` and `kind`."""
+    film = read_responses(dorf).inverse[:, 0]
+    digital = read_responses(modern).inverse.mean(axis=1)
+    with np.load(modern) as stored:
+        kind = tuple(str(k) for k in stored["kind"])
+    return CurveSource(film, digital, kind)
+
+
+def fold_of_rows(count: int) -> Index:
+    """Fold of each row of DoRF, as the bench assigns them."""
+    return np.asarray(np.arange(count) * FOLDS // count, dtype=np.intp)
+
+
+def rows_outside(fold: int, count: int) -> npt.NDArray[np.bool_]:
+    """Which rows of DoRF a held-out fold's training may see: the same as the bench's prior."""
+    block = np.flatnonzero(fold_of_rows(count) == fold)
+    seen = np.ones(count, bool)
+    seen[max(0, block[0] - GUARD_ROWS) : block[-1] + 1 + GUARD_ROWS] = False
+    return seen
+
+
+def _with_white(curve: Float, white: float) -> Float:
+    """The same response, clipped at a lower level of light."""
+    grid = np.linspace(0.0, 1.0, curve.size)
+    cut = np.interp(grid * white, grid, curve)
+    return np.asarray(cut / cut[-1])

@@ -1,0 +1,145 @@
+"""The joint estimator on photos of the synthetic face."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from facecrf_ocio import (
+    Outcome,
+    Photo,
+    PhotoEvidence,
+    SettingsError,
+    Verdict,
+    calibrate,
+    calibrate_together,
+    conclude,
+    gather,
+    misfit,
+)
+from facecrf_ocio.confidence import demand
+from facecrf_ocio.joint import shipped_joint
+from facecrf_ocio.joint.metadata import modern_leaning
+from facecrf_ocio.joint.statistics import CUES
+from facecrf_ocio.synthetic import SyntheticSpec, gamma_curve, photograph, render_face
+from facecrf_ocio.values import Camera
+
+
+@pytest.fixture(scope="module")
+def faces():
+    return [render_face(SyntheticSpec(seed=seed)) for seed in (3, 4)]
+
+
+@pytest.fixture(scope="module")
+def photos(faces):
+    return [photograph(face, gamma_curve(2.2)) for face in faces]
+
+
+@pytest.fixture(scope="module")
+def evidence(photos):
+    return [gather(photo) for photo in photos]
+
+
+def blank():
+    return Photo(np.full((64, 64, 3), (0.5, 0.4, 0.3), np.float32))
+
+
+def test_auto_is_joint(photos):
+    auto, joint = calibrate(photos[0]), calibrate(photos[0], estimator="joint")
+    assert auto.estimator == "joint"
+    assert auto.outcome is Outcome.CALIBRATED
+    assert np.array_equal(auto.curve.linear, joint.curve.linear)
+
+
+def test_every_cue_speaks(evidence):
+    assert set(evidence[0].messages) == set(CUES)
+
+
+def test_the_curve_is_nearer_to_the_truth_than_taking_codes_for_light(photos):
+    found = calibrate(photos[0])
+    truth = found.curve.encoded**2.2
+    error = np.sqrt(((found.curve.linear - truth) ** 2).mean())
+    assert error < 0.5 * np.sqrt(((found.curve.encoded - truth) ** 2).mean())
+
+
+def test_all_channels_share_one_curve(photos):
+    linear = calibrate(photos[0]).curve.linear
+    assert (linear == linear[0]).all()
+
+
+def test_the_band_is_narrower_than_the_prior_s(evidence):
+    prior = conclude([])
+    assert prior.confidence.verdict is Verdict.PRIOR_ONLY
+    alone = conclude(evidence[:1])
+    assert alone.confidence.sigma.mean() < 0.8 * prior.confidence.sigma.mean()
+
+
+def test_a_photo_without_a_face_gets_the_prior_if_joint_is_asked_for_and_nothing_from_auto():
+    refused = calibrate(blank())
+    assert refused.outcome is Outcome.NOT_CALIBRATED
+    assert refused.reason == "no face found"
+    given = calibrate(blank(), estimator="joint")
+    assert given.outcome is Outcome.FALLBACK
+    assert given.confidence.verdict is Verdict.PRIOR_ONLY
+    assert "no face found: the mean of the prior" in given.reason
+
+
+def test_evidence_survives_storage(evidence):
+    back = PhotoEvidence.from_json(evidence[0].to_json())
+    assert np.array_equal(conclude([back]).curve.linear, conclude([evidence[0]]).curve.linear)
+    assert len(evidence[0].to_json()) < 20_000
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[]", '{"messages": {"grain": 1}}'])
+def test_other_text_is_no_evidence(text):
+    with pytest.raises(SettingsError, match="no evidence of a photo"):
+        PhotoEvidence.from_json(text)
+
+
+def test_several_photos_tighten_the_band(photos, evidence):
+    together = calibrate_together(photos)
+    alone = conclude(evidence[:1])
+    assert together.estimate.confidence.sigma.mean() < alone.confidence.sigma.mean()
+    assert together.lacking == ("", "")
+    assert max(together.misfits) < 3.0
+
+
+def test_photos_without_a_face_change_nothing(photos):
+    with_blank = calibrate_together([blank(), photos[0]])
+    assert with_blank.lacking == ("no face found", "")
+    assert np.array_equal(
+        with_blank.estimate.curve.linear, calibrate_together(photos[:1]).estimate.curve.linear
+    )
+
+
+def test_a_photo_with_another_curve_fits_worse(faces, evidence):
+    common = conclude(evidence)
+    stranger = gather(photograph(faces[0], gamma_curve(1.2)))
+    assert misfit(stranger, common) > 2.0 * max(misfit(one, common) for one in evidence)
+
+
+def test_the_prior_can_be_told(evidence):
+    film, digital = conclude(evidence[:1], "dorf"), conclude(evidence[:1], "modern")
+    assert not np.allclose(film.curve.linear, digital.curve.linear, atol=1e-4)
+    with pytest.raises(SettingsError, match="no prior 'film'"):
+        calibrate(blank(), prior="film")
+
+
+def test_what_the_file_says_of_its_camera_leans():
+    assert modern_leaning(Camera()) == 0.0
+    assert modern_leaning(Camera(make="NIKON", model="D90")) > 0.0
+    assert modern_leaning(Camera(make="Noritsu Koki", model="QSS-31")) < 0.0
+
+
+def test_demands_are_met_or_refused(evidence):
+    weak = conclude([])
+    assert demand(weak, "prior only") is weak
+    refused = demand(weak, "weak")
+    assert refused.outcome is Outcome.NOT_CALIBRATED
+    assert "the estimate is prior only, and weak was asked for" in refused.reason
+
+
+def test_weights_stay_small():
+    networks = shipped_joint().networks.members
+    count = sum(w.size + b.size for m in networks.values() for n in m for w, b in n.layers)
+    assert 2 * count < 1_000_000  # stored in half precision
