@@ -47,7 +47,7 @@ def profile_figure(profile: Profile, photo_label: str, candidate_label: str) -> 
         _draw_profile(axes, profile, energy)
         varies = np.nanmedian(np.ptp(energy, axis=0) / np.abs(energy).max(axis=0))
         axes.set(xlabel=photo_label, ylabel=candidate_label)
-        axes.set_title(f"{name}\ncolors: each column's range, {100 * varies:.2g} % of its maximum")
+        axes.set_title(f"{name}\nrange of a column: {100 * varies:.2g} %")
     axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
     return figure
 
