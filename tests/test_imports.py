@@ -25,10 +25,10 @@ LAYERS = (
     ("cues", "confidence"),
     ("joint",),
     ("calibrate", "together", "pair"),
-    ("export", "apply"),
+    ("export", "apply", "lint"),
     ("report", "benchmark", "linearize", "demo", "synthetic"),
-    ("training",),
-    ("cli", "cli_options", "cli_terminal", "cli_calibrate", "cli_bench", "cli_pair"),
+    ("training", "archive"),
+    ("cli", "cli_options", "cli_terminal", "cli_calibrate", "cli_archive", "cli_bench", "cli_lint", "cli_pair"),
 )
 RANK = {unit: rank for rank, layer in enumerate(LAYERS) for unit in layer}
 

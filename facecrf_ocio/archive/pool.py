@@ -1,0 +1,223 @@
+"""Worker processes that stay warm, and of which each death costs one photo alone.
+
+A decoder that crashes, hangs or eats the memory takes its process with it. The photo is tried once
+more after a crash, for the fault may have been the machine's, and not after a time-out or too much
+memory, which would only cost the same again. Workers are replaced after `Limits.photos_per_worker`
+photos, so that what libraries leak does not add up.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection, wait
+from multiprocessing.context import SpawnProcess
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+from facecrf_ocio.archive.task import FAILED, Result, Task
+
+# One thread each: the processes are the parallelism, and sums come out the same on every machine.
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+_POLL = 0.25
+_SMALLER = "use a smaller version of it, or raise the limit"
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What one photo may cost.
+
+    Attributes
+    ----------
+    seconds
+        [s] Of wall time.
+    megabytes
+        [MB] Of resident memory of a worker; needs /proc, and is not watched elsewhere.
+    photos_per_worker
+        After so many photos a worker is replaced.
+    """
+
+    seconds: float = 300.0
+    megabytes: int = 4096
+    photos_per_worker: int = 500
+
+
+@dataclass(slots=True)
+class _Worker:
+    process: SpawnProcess
+    pipe: Connection
+    task: Task | None = None
+    since: float = 0.0
+    photos: int = 0
+    ready: bool = False
+    blame: str = field(default="")
+
+
+class Pool:
+    """Some processes that run `worker.process`; use it as a context manager."""
+
+    def __init__(self, jobs: int, limits: Limits) -> None:
+        self.jobs, self.limits = jobs, limits
+        self._context = multiprocessing.get_context("spawn")
+        self._workers: list[_Worker] = []
+        self._again: list[Task] = []
+        self._tried: set[str] = set()
+
+    def __enter__(self) -> Pool:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for worker in self._workers:
+            worker.process.kill()
+            worker.process.join()
+            worker.pipe.close()
+        self._workers.clear()
+
+    @property
+    def busy(self) -> int:
+        """Photos handed out and not yet answered."""
+        return sum(worker.task is not None for worker in self._workers) + len(self._again)
+
+    def submit(self, task: Task) -> None:
+        """Hand out a photo; there must be fewer than `jobs` at work."""
+        worker = next((one for one in self._workers if one.task is None), None)
+        if worker is None:
+            worker = self._hire()
+        worker.task, worker.since = task, monotonic()
+        try:
+            worker.pipe.send(task)
+        except OSError:  # it died while idle; noticed as a crash, and tried again
+            worker.blame = ""
+
+    def results(self) -> Iterator[tuple[Task, Result]]:
+        """Wait until at least one photo is answered, and yield those that are."""
+        answered = False
+        while self.busy and not answered:
+            handles: list[Any] = [worker.pipe for worker in self._workers if worker.task]
+            wait(handles, timeout=_POLL)
+            for worker in tuple(self._workers):
+                answer = self._look_at(worker)
+                if answer is not None:
+                    answered = True
+                    yield answer
+            while self._again and len([one for one in self._workers if one.task]) < self.jobs:
+                self.submit(self._again.pop())
+
+    def _look_at(self, worker: _Worker) -> tuple[Task, Result] | None:
+        if worker.task is None:
+            return None
+        try:
+            while worker.pipe.poll():
+                answer = worker.pipe.recv()
+                if answer is None:  # it has started; only now does the photo's own time count
+                    worker.ready, worker.since = True, monotonic()
+                    continue
+                return self._answered(worker, answer)
+        except (EOFError, OSError):
+            return self._crashed(worker)
+        if worker.ready and monotonic() - worker.since > self.limits.seconds:
+            reason = f"took longer than {self.limits.seconds:g} s and was stopped"
+            return self._stopped(worker, reason)
+        if _resident_megabytes(worker.process.pid) > self.limits.megabytes:
+            reason = f"needed more than {self.limits.megabytes} MB of memory and was stopped"
+            return self._stopped(worker, reason)
+        return None
+
+    def _answered(self, worker: _Worker, result: Result) -> tuple[Task, Result]:
+        task, worker.task = worker.task, None
+        assert task is not None  # noqa: S101 - looked at only while it has a task
+        self._tried.discard(task.name)
+        worker.photos += 1
+        if worker.photos >= self.limits.photos_per_worker:
+            self._dismiss(worker)
+        return task, result
+
+    def _crashed(self, worker: _Worker) -> tuple[Task, Result] | None:
+        task = worker.task
+        self._dismiss(worker)
+        assert task is not None  # noqa: S101
+        if task.name not in self._tried:
+            self._tried.add(task.name)
+            self._again.append(task)
+            return None
+        self._tried.discard(task.name)
+        code = worker.process.exitcode or 0
+        how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+        return task, Result(FAILED, reason=f"crashed the process that read it, twice ({how})")
+
+    def _stopped(self, worker: _Worker, reason: str) -> tuple[Task, Result]:
+        task = worker.task
+        self._dismiss(worker)
+        assert task is not None  # noqa: S101
+        return task, Result(FAILED, reason=reason, remedy=_SMALLER)
+
+    def _dismiss(self, worker: _Worker) -> None:
+        worker.process.kill()
+        worker.process.join()
+        worker.pipe.close()
+        self._workers.remove(worker)
+
+    def _hire(self) -> _Worker:
+        ours, theirs = self._context.Pipe()
+        process = self._context.Process(target=_serve, args=(theirs,), daemon=True)
+        former = {name: os.environ.get(name) for name in _THREADS}
+        os.environ.update(dict.fromkeys(_THREADS, "1"))
+        try:
+            process.start()
+        finally:
+            for name, value in former.items():
+                if value is None:
+                    del os.environ[name]
+                else:
+                    os.environ[name] = value
+        theirs.close()
+        worker = _Worker(process, ours)
+        self._workers.append(worker)
+        return worker
+
+
+def _serve(pipe: Connection) -> None:
+    """Work on photos until the parent ends, however it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
+    _die_with_parent()
+    from facecrf_ocio.archive.worker import process, warm_up  # noqa: PLC0415 - not in the parent
+
+    warm_up()
+    pipe.send(None)
+    with contextlib.suppress(EOFError):
+        while True:
+            pipe.send(process(pipe.recv()))
+
+
+def _die_with_parent() -> None:
+    """End at once with the parent, so that a killed run does not write into the next one."""
+    parent = multiprocessing.parent_process()
+    if parent is None:
+        return
+
+    def watch(sentinel: int) -> None:
+        wait([sentinel])
+        os._exit(1)
+
+    threading.Thread(target=watch, args=(parent.sentinel,), daemon=True).start()
+    if sys.platform == "linux":
+        import ctypes  # noqa: PLC0415
+
+        ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG, linux/prctl.h
+        if not parent.is_alive():
+            os._exit(1)
+
+
+def _resident_megabytes(pid: int | None) -> float:
+    try:
+        pages = int(Path(f"/proc/{pid}/statm").read_text(encoding="ascii").split()[1])
+    except (OSError, IndexError):
+        return 0.0
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6

@@ -1,0 +1,239 @@
+"""A run over an archive: what is to be done, handing it out, and recording what came of it."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from facecrf_ocio import __version__
+from facecrf_ocio.archive.manifest import DONE, STARTED, Known, Manifest, Stamp
+from facecrf_ocio.archive.pool import Limits, Pool
+from facecrf_ocio.archive.task import FAILED, Recipe, Result, Task
+from facecrf_ocio.archive.walk import name_of
+from facecrf_ocio.errors import OutputError, PhotoError
+
+LOCK = "facecrf-manifest.lock"
+TEMPORARY = ".facecrf-*"
+_MOUNT = "mount it, or check the name, and start again"
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """What is asked of a run.
+
+    Attributes
+    ----------
+    source, folder
+        Root of the photos, and of the outputs.
+    recipe
+        How to treat each photo.
+    jobs, limits
+        Number of worker processes, and what one photo may cost.
+    overwrite
+        Replace files that are not outputs of this archive.
+    retry
+        Try photos again that failed before, though nothing changed.
+    """
+
+    source: Path
+    folder: Path
+    recipe: Recipe
+    jobs: int = 1
+    limits: Limits = field(default_factory=Limits)
+    overwrite: bool = False
+    retry: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """One photo accounted for; `fresh` is false if it was done by an earlier run."""
+
+    name: str
+    result: Result
+    fresh: bool
+
+
+def run(job: Job, photos: Iterable[Path], tell: Callable[[Event], None]) -> None:
+    """Do all that is not done yet.
+
+    Raises
+    ------
+    OutputError
+        If the folders lie inside each other, another run is at work there, the disk is full, or
+        the manifest is another archive's. What is done stays done; start again to go on.
+    PhotoError
+        If the source vanishes while the run goes on, or is empty though it was not.
+    """
+    require_apart(job.source, job.folder)
+    identity = _identity(job.source)
+    job.folder.mkdir(parents=True, exist_ok=True)
+    with _alone(job.folder):
+        manifest = Manifest(job.folder)
+        try:
+            _require_same_source(manifest, job.source)
+            _clear_leftovers(manifest, job.folder)
+            with Pool(job.jobs, job.limits) as pool:
+                _Run(job, manifest, pool, identity, tell).through(photos)
+        finally:
+            manifest.close()
+
+
+class _Run:
+    def __init__(
+        self,
+        job: Job,
+        manifest: Manifest,
+        pool: Pool,
+        identity: tuple[int, int],
+        tell: Callable[[Event], None],
+    ) -> None:
+        self.job, self.manifest, self.pool, self.tell = job, manifest, pool, tell
+        self.identity = identity
+        self.recipe = job.recipe.sha256(__version__)
+        self.stamps: dict[str, Stamp] = {}
+
+    def through(self, photos: Iterable[Path]) -> None:
+        seen = False
+        for task in self._to_do(photos):
+            seen = True
+            self.pool.submit(task)
+            while self.pool.busy >= self.job.jobs:
+                self._collect()
+        while self.pool.busy:
+            self._collect()
+        if not seen:
+            self._require_source()
+
+    def _to_do(self, photos: Iterable[Path]) -> Iterator[Task]:
+        count = 0
+        for path in photos:
+            count += 1
+            task = self._decide(path)
+            if task is not None:
+                yield task
+        if count == 0 and len(self.manifest):
+            raise PhotoError(
+                self.job.source, "holds no photo, though the manifest lists some", _MOUNT
+            )
+
+    def _decide(self, path: Path) -> Task | None:
+        """Return what is to be done with a photo, None if nothing is."""
+        name = name_of(path, self.job.source)
+        try:
+            status = path.stat()
+        except OSError:
+            self._require_source()
+            return None
+        stamp = Stamp(status.st_size, status.st_mtime_ns, self.recipe)
+        known = self.manifest.known(name)
+        if known is not None and self._is_done(known, stamp):
+            self.tell(Event(name, Result(known.outcome, known.verdict), fresh=False))
+            return None
+        task = Task(path, name, self.job.folder, self.job.recipe, overwrite=True)
+        taken = None if self.job.overwrite else self._taken(task, known)
+        self.stamps[name] = stamp
+        if taken is not None:
+            problem = f"{taken}: exists already; pass --overwrite to replace it"
+            self._record(task, Result(FAILED, reason=problem))
+            return None
+        with self.manifest.transaction():
+            self.manifest.start(name, stamp)
+        return task
+
+    def _is_done(self, known: Known, stamp: Stamp) -> bool:
+        again = self.job.retry and known.outcome == FAILED
+        return known.state == DONE and known.stamp == stamp and not again
+
+    def _taken(self, task: Task, known: Known | None) -> Path | None:
+        """Return a file in the way that is not this archive's own."""
+        if known is not None and known.state == STARTED:
+            return None
+        for planned in task.planned:
+            path = task.folder / planned
+            if os.path.lexists(path) and not self.manifest.has_output(planned):
+                return path
+        return None
+
+    def _collect(self) -> None:
+        for task, result in self.pool.results():
+            if result.stop:
+                raise OutputError(result.stop)
+            if result.outcome == FAILED:
+                self._require_source()
+                if not os.path.lexists(task.source):  # its folder may be what was unmounted
+                    with self.manifest.transaction():
+                        self.manifest.forget(task.name)
+                    self.stamps.pop(task.name)
+                    continue
+                _remove(task.folder, task.planned)
+            self._record(task, result)
+
+    def _record(self, task: Task, result: Result) -> None:
+        # Before the row, so that a run that is cut here finds them in its own `started` row.
+        own = {output.name for output in result.outputs}
+        former = {output.name for output in self.manifest.outputs(task.name)}
+        _remove(task.folder, former - own)
+        with self.manifest.transaction():
+            self.manifest.finish(task.name, self.stamps.pop(task.name), result)
+        self.tell(Event(task.name, replace(result, outputs=()), fresh=True))
+
+    def _require_source(self) -> None:
+        if _identity(self.job.source) != self.identity:
+            raise PhotoError(self.job.source, "is no longer the folder it was", _MOUNT)
+
+
+def require_apart(source: Path, folder: Path) -> None:
+    """Raise OutputError if outputs would lie among the photos, or photos among the outputs."""
+    here, there = source.resolve(), folder.resolve()
+    if here == there or here in there.parents or there in here.parents:
+        raise OutputError(
+            f"{folder}: lies inside of {source}, or around it; write to a folder of its own"
+        )
+
+
+def _identity(source: Path) -> tuple[int, int]:
+    """Device and inode of a folder: another file system mounted, or none, has others."""
+    try:
+        status = source.stat()
+    except OSError:
+        raise PhotoError(source, "is not there", _MOUNT) from None
+    if not source.is_dir():
+        raise PhotoError(source, "is not a folder", "name the folder of the photos")
+    return status.st_dev, status.st_ino
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Keep other runs out of a folder; the lock ends with the process, however that ends."""
+    with (folder / LOCK).open("a") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise OutputError(f"{folder}: another run is at work there; wait for it") from None
+        yield
+
+
+def _require_same_source(manifest: Manifest, source: Path) -> None:
+    """Names are relative to the source, so two sources in one folder would be confused."""
+    here, there = os.fsencode(source.resolve()).decode("utf-8", "backslashreplace"), "source"
+    former = manifest.about(there)
+    if former is not None and former != here:
+        raise OutputError(f"{manifest.path}: is of the photos in {former}; write elsewhere")
+    manifest.note(there, here)
+
+
+def _clear_leftovers(manifest: Manifest, folder: Path) -> None:
+    """Remove temporary files of a run that was killed."""
+    for place in {(folder / name).parent for name in manifest.started()}:
+        for leftover in place.glob(TEMPORARY):
+            leftover.unlink(missing_ok=True)
+
+
+def _remove(folder: Path, names: Iterable[str]) -> None:
+    for name in names:
+        with suppress(OSError):
+            (folder / name).unlink()

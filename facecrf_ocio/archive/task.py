@@ -1,0 +1,133 @@
+"""What is to be done with one photo, and what came of it: small, frozen, picklable."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass, field
+from pathlib import Path, PurePosixPath
+
+from facecrf_ocio.settings import VERDICTS, Settings
+
+
+@dataclass(frozen=True, slots=True)
+class Recipe:
+    """How every photo of an archive is treated; a change of it makes outputs out of date.
+
+    Attributes
+    ----------
+    estimator, fallback, prior, settings
+        As `calibrate` takes them.
+    min_confidence
+        Verdict below which a curve is not written.
+    formats
+        LUT formats to write.
+    exr
+        Write a scene-linear OpenEXR too.
+    """
+
+    estimator: str = "auto"
+    fallback: str = "none"
+    prior: str = "auto"
+    min_confidence: str = VERDICTS[0]
+    settings: Settings = field(default_factory=Settings)
+    formats: tuple[str, ...] = ("spi1d", "cube", "clf")
+    exr: bool = False
+
+    def sha256(self, version: str) -> str:
+        """Hash of everything a result depends on besides the photo, `version` included."""
+        text = json.dumps({"recipe": asdict(self), "version": version}, sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One photo to be worked on.
+
+    Attributes
+    ----------
+    source
+        The photo's file.
+    name
+        Its path relative to the archive, with slashes; the key of its row in the manifest.
+    folder
+        Root of the outputs.
+    recipe
+        How to treat it.
+    overwrite
+        Whether outputs that exist may be replaced.
+    """
+
+    source: Path
+    name: str
+    folder: Path
+    recipe: Recipe
+    overwrite: bool = False
+
+    @property
+    def planned(self) -> tuple[str, ...]:
+        """Outputs relative to `folder`: a.jpg gets a.jpg.cube, so that a.png gets others."""
+        suffixes = [*self.recipe.formats, "crf.json", *(("exr",) if self.recipe.exr else ())]
+        return tuple(f"{self.name}.{suffix}" for suffix in suffixes)
+
+    @property
+    def target(self) -> Path:
+        """Folder of this photo's outputs: that of the photo, mirrored."""
+        return self.folder / PurePosixPath(self.name).parent
+
+
+@dataclass(frozen=True, slots=True)
+class Output:
+    """A written file: path relative to the folder of outputs, bytes and hash."""
+
+    name: str
+    size: int
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """[s] What one photo took."""
+
+    read: float = 0.0
+    estimate: float = 0.0
+    write: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What came of one photo.
+
+    Attributes
+    ----------
+    outcome
+        One of `values.Outcome`, or `failed`.
+    verdict
+        One of `values.Verdict`, empty without a curve.
+    estimator, reason, remedy
+        As in `values.Estimate`; for a failure, its reason.
+    sha256
+        Of the photo's bytes; empty if they could not be read.
+    camera
+        Make, model, serial number and software, as the file says.
+    outputs
+        What was written.
+    timing
+        What it took.
+    stop
+        Why the run cannot go on (a full disk), else empty; such a photo is not done.
+    """
+
+    outcome: str
+    verdict: str = ""
+    estimator: str = ""
+    reason: str = ""
+    remedy: str = ""
+    sha256: str = ""
+    camera: tuple[str, str, str, str] = ("", "", "", "")
+    outputs: tuple[Output, ...] = ()
+    timing: Timing = Timing()
+    stop: str = ""
+
+
+FAILED = "failed"

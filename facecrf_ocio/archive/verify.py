@@ -1,0 +1,65 @@
+"""Whether the outputs of an archive are still what was written."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from facecrf_ocio.archive.manifest import FILE, Manifest
+from facecrf_ocio.errors import OutputError
+
+MISSING, ALTERED, EXTRA = "missing", "altered", "extra"
+_BLOCK = 1 << 20
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """A file that is not as the manifest says: `missing`, `altered` or `extra`."""
+
+    name: str
+    kind: str
+
+
+def verify(folder: Path) -> Iterator[Fault]:
+    """Compare all files below a folder with its manifest.
+
+    Raises
+    ------
+    OutputError
+        If there is no manifest, or a file cannot be read.
+    """
+    if not (folder / FILE).is_file():
+        raise OutputError(f"{folder}: has no {FILE}; name the folder a batch was written to")
+    manifest = Manifest(folder)
+    try:
+        for output in manifest.outputs():
+            path = folder / output.name
+            if not path.is_file():
+                yield Fault(output.name, MISSING)
+            elif path.stat().st_size != output.size or _sha256(path) != output.sha256:
+                yield Fault(output.name, ALTERED)
+        yield from _extras(folder, manifest)
+    finally:
+        manifest.close()
+
+
+def _extras(folder: Path, manifest: Manifest) -> Iterator[Fault]:
+    for place, _, names in os.walk(folder):
+        for file in sorted(names):
+            name = Path(place, file).relative_to(folder).as_posix()
+            if not name.startswith("facecrf-manifest.") and not manifest.has_output(name):
+                yield Fault(name, EXTRA)
+
+
+def _sha256(path: Path) -> str:
+    digest = hashlib.sha256()
+    try:
+        with path.open("rb") as file:
+            while block := file.read(_BLOCK):
+                digest.update(block)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be read: {error.strerror}; check the disk") from error
+    return digest.hexdigest()

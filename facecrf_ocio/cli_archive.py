@@ -1,0 +1,182 @@
+"""`facecrf batch` and `facecrf verify`: whole archives, unattended."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from facecrf_ocio.cli_calibrate import FORMAT_NAMES, split_formats
+from facecrf_ocio.cli_options import TEXT_PATH, Choices, estimation_options
+from facecrf_ocio.cli_terminal import DONE, FAILED, complain, ending_well, one_line
+
+if TYPE_CHECKING:
+    from facecrf_ocio.archive.run import Event
+
+INTERRUPTED = 130
+_PLAIN_EVERY = 30.0
+_KINDS = ("reliable", "weak", "prior only", "no curve", "failed")
+
+
+class _Progress:
+    """Rate, time left and counts: a live line on a terminal, a plain one now and then elsewhere."""
+
+    def __init__(self, total: int | None) -> None:
+        self.total, self.counts = total, Counter[str]()
+        self.done = self.fresh = 0
+        self.begin = self.said = monotonic()
+        self.live: Any = None
+
+    def __enter__(self) -> _Progress:
+        if sys.stderr.isatty():
+            from rich.console import Console
+
+            self.live = Console(stderr=True).status(self._line())
+            self.live.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.live is not None:
+            self.live.stop()
+        click.echo(self._line(), err=True)
+
+    def __call__(self, event: Event) -> None:
+        result = event.result
+        self.done += 1
+        self.fresh += event.fresh
+        self.counts[_kind(result.outcome, result.verdict)] += 1
+        if event.fresh and result.outcome == "failed":
+            if self.live is not None:
+                self.live.stop()
+            click.echo(f"facecrf: {one_line(f'{event.name}: failed: {result.reason}')}", err=True)
+            if self.live is not None:
+                self.live.start()
+        if self.live is not None:
+            self.live.update(self._line())
+        elif monotonic() - self.said > _PLAIN_EVERY:
+            self.said = monotonic()
+            click.echo(self._line(), err=True)
+
+    def _line(self) -> str:
+        rate = self.fresh / max(monotonic() - self.begin, 1e-9)
+        of = "" if self.total is None else f" of {self.total}"
+        text = f"{self.done}{of} photos"
+        if self.done > self.fresh:
+            text += f" ({self.done - self.fresh} done before)"
+        if self.fresh:
+            text += f", {rate:.2f}/s"
+            if self.total is not None and self.total > self.done:
+                text += f", {(self.total - self.done) / rate / 60:.0f} min left"
+        return f"{text}: " + ", ".join(f"{self.counts[kind]} {kind}" for kind in _KINDS)
+
+
+def _kind(outcome: str, verdict: str) -> str:
+    return "failed" if outcome == "failed" else verdict or "no curve"
+
+
+@click.command()
+@click.argument("source", type=click.Path(path_type=Path))
+@click.option("-o", "--output", required=True, type=TEXT_PATH, metavar="DST", help="Own folder.")
+@click.option("--jobs", type=click.IntRange(1), default=None, help="Processes; one per core.")
+@click.option("--include", multiple=True, metavar="GLOB", help="Only these; may be repeated.")
+@click.option("--exclude", multiple=True, metavar="GLOB", help="Not these; may be repeated.")
+@click.option(
+    "--files-from",
+    type=click.File("rb"),
+    help="File of photo names below SOURCE, one a line; - for stdin.",
+)
+@click.option("-0", "--null", is_flag=True, help="Names in --files-from end with NUL.")
+@click.option(
+    "--formats",
+    default=",".join(FORMAT_NAMES),
+    show_default=True,
+    callback=split_formats,
+    help="LUT formats, by commas.",
+)
+@click.option("--exr", is_flag=True, help="Also write scene-linear EXRs.")
+@click.option("--timeout", default=300.0, show_default=True, help="Seconds for one photo.")
+@click.option("--memory", default=4096, show_default=True, help="MB for one process.")
+@click.option("--retry", is_flag=True, help="Try photos again that failed before.")
+@estimation_options
+@ending_well
+def batch(
+    source: Path,
+    output: Path,
+    jobs: int | None,
+    include: tuple[str, ...],
+    exclude: tuple[str, ...],
+    files_from: Any,
+    null: bool,
+    **options: Any,
+) -> int:
+    """Calibrate all photos below SOURCE and write their LUTs to a mirrored tree.
+
+    Photos are only read. For sub/a.jpg, DST gets sub/a.jpg.cube and so on. Started again, the
+    command goes on where it was stopped, and redoes only what changed.
+    """
+    from facecrf_ocio.archive.pool import Limits
+    from facecrf_ocio.archive.run import Job, run
+    from facecrf_ocio.archive.task import Recipe
+    from facecrf_ocio.archive.walk import photos_under
+
+    formats, exr, retry = (options.pop(name) for name in ("formats", "exr", "retry"))
+    limits = Limits(options.pop("timeout"), options.pop("memory"))
+    choices = Choices(**options)
+    recipe = Recipe(
+        *(choices.estimator, choices.fallback, choices.prior, choices.min_confidence),
+        *(choices.settings, formats, exr),
+    )
+    job = Job(
+        *(source, output, recipe, jobs or os.cpu_count() or 1, limits),
+        overwrite=choices.overwrite,
+        retry=retry,
+    )
+    total = None
+    if files_from is not None:
+        photos = _named(files_from.read(), source, b"\0" if null else b"\n")
+    else:
+        photos = photos_under(source, include, exclude)
+        if source.is_dir():
+            total = sum(1 for _ in photos_under(source, include, exclude))
+    progress = _Progress(total)
+    try:
+        with progress:
+            run(job, photos, progress)
+    except KeyboardInterrupt:
+        return complain("interrupted; run the same command again to go on", INTERRUPTED)
+    except OSError as error:
+        return complain(f"{error.filename or output}: {error.strerror or error}", FAILED)
+    return DONE
+
+
+def _named(text: bytes, source: Path, end: bytes) -> Iterator[Path]:
+    """Photos of a list, relative to the source or absolute; those elsewhere are refused."""
+    root = Path(os.path.abspath(source))  # noqa: PTH100 - links are names, too
+    for line in text.split(end):
+        if line:
+            path = Path(os.path.normpath(root / os.fsdecode(line)))
+            if root not in path.parents:
+                raise click.BadParameter(f"{path} is not below {source}")
+            yield source / path.relative_to(root)
+
+
+@click.command()
+@click.argument("folder", type=click.Path(path_type=Path))
+@ending_well
+def verify(folder: Path) -> int:
+    """Compare the files of a batch in FOLDER with what was written: missing, altered, extra."""
+    from facecrf_ocio.archive.verify import verify as faults_in
+
+    count = 0
+    for count, fault in enumerate(faults_in(folder), start=1):  # noqa: B007
+        click.echo(one_line(f"{fault.kind}: {fault.name}"))
+    if count:
+        return complain(f"{folder}: {count} files are not as they were written", FAILED)
+    click.echo(one_line(f"{folder}: all files are as they were written"))
+    return DONE

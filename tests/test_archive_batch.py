@@ -1,0 +1,256 @@
+"""Archives: every photo accounted for, whatever happens to the photo, the disk or the run."""
+
+from __future__ import annotations
+
+import os
+import random
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from command_line import CODE, CommandLine, names_in, write_noise
+
+from facecrf_ocio.archive.manifest import FILE, Manifest, Stamp
+from facecrf_ocio.archive.pool import Limits, Pool
+from facecrf_ocio.archive.task import Recipe, Result, Task
+
+COLUMNS = "name, size, sha256, recipe, state, outcome, verdict, estimator, reason, remedy, make"
+
+
+@pytest.fixture
+def facecrf(capfd):
+    return CommandLine(capfd)
+
+
+@pytest.fixture
+def archive(tmp_path):
+    """Good, of one stem, in a folder, oddly named, duplicate, cut short, empty, no photo."""
+    source = tmp_path / "photos"
+    (source / "sub").mkdir(parents=True)
+    write_noise(source / "a.jpg", seed=1)
+    write_noise(source / "a.png", seed=2)
+    write_noise(source / "sub" / "two words ü.tif", seed=3)
+    shutil.copy(source / "a.png", source / "sub" / "copy.png")
+    (source / "cut.png").write_bytes((source / "a.png").read_bytes()[:200])
+    (source / "empty.jpg").touch()
+    (source / "notes.txt").write_text("no photo", encoding="utf-8")
+    return source
+
+
+def batch(facecrf, source, output, *more):
+    options = ("--estimator", "mean", "--formats", "spi1d", "--jobs", "2")
+    return facecrf("batch", source, "-o", output, *options, *more)
+
+
+def rows(folder: Path, columns: str = COLUMNS):
+    base = sqlite3.connect(folder / FILE)
+    try:
+        return base.execute(f"SELECT {columns} FROM photos ORDER BY name").fetchall()  # noqa: S608
+    finally:
+        base.close()
+
+
+def files(folder: Path):
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file() and not path.name.startswith("facecrf-manifest.")
+    }
+
+
+def test_every_photo_is_accounted_for_and_the_originals_stay(facecrf, archive, tmp_path):
+    before = files(archive)
+    output = tmp_path / "luts"
+    ended = batch(facecrf, archive, output)
+    assert ended.code == 0
+    outcomes = dict(rows(output, "name, outcome"))
+    good = {"a.jpg", "a.png", "sub/two words ü.tif", "sub/copy.png"}
+    assert {name for name, outcome in outcomes.items() if outcome == "fallback"} == good
+    assert {n for n, o in outcomes.items() if o == "failed"} == {"cut.png", "empty.jpg"}
+    assert set(files(output)) == {f"{n}.{s}" for n in good for s in ("spi1d", "crf.json")}
+    assert files(archive) == before
+    assert "empty.jpg: failed" in ended.err
+    assert "zero bytes" in ended.err
+
+
+def test_verify_finds_what_is_missing_altered_and_extra(facecrf, archive, tmp_path):
+    output = tmp_path / "luts"
+    batch(facecrf, archive, output)
+    assert facecrf("verify", output).code == 0
+    (output / "a.jpg.spi1d").unlink()
+    with (output / "a.png.spi1d").open("a") as lut:
+        lut.write("\n")
+    (output / "sub" / "mine.txt").touch()
+    ended = facecrf("verify", output)
+    assert ended.code == 1
+    told = set(ended.out.splitlines())
+    assert told == {"missing: a.jpg.spi1d", "altered: a.png.spi1d", "extra: sub/mine.txt"}
+
+
+def test_a_second_run_redoes_only_what_changed(facecrf, archive, tmp_path):
+    output = tmp_path / "luts"
+    batch(facecrf, archive, output)
+    marks = {path: path.stat().st_mtime_ns for path in output.rglob("*.spi1d")}
+    write_noise(archive / "a.jpg", seed=9)
+    os.utime(archive / "a.jpg", ns=(1, 1))
+    ended = batch(facecrf, archive, output)
+    assert "5 done before" in ended.err
+    changed = {path.name for path, mark in marks.items() if path.stat().st_mtime_ns != mark}
+    assert changed == {"a.jpg.spi1d"}
+    assert facecrf("verify", output).code == 0
+
+
+def test_other_settings_redo_all_and_take_away_what_is_no_longer_written(
+    facecrf, archive, tmp_path
+):
+    output = tmp_path / "luts"
+    batch(facecrf, archive, output)
+    batch(facecrf, archive, output, "--formats", "cube")
+    assert {Path(n).suffix for n in files(output)} == {".cube", ".json"}
+    assert facecrf("verify", output).code == 0
+
+
+def test_a_file_in_the_way_is_not_replaced_unless_asked(facecrf, archive, tmp_path):
+    output = tmp_path / "luts"
+    output.mkdir()
+    (output / "a.jpg.spi1d").write_text("mine", encoding="utf-8")
+    assert "exists already" in batch(facecrf, archive, output).err
+    assert (output / "a.jpg.spi1d").read_text(encoding="utf-8") == "mine"
+    batch(facecrf, archive, output, "--overwrite", "--retry")
+    assert (output / "a.jpg.spi1d").read_text(encoding="utf-8") != "mine"
+    assert facecrf("verify", output).code == 0
+
+
+@pytest.mark.parametrize(("source", "output"), [("p", "p"), ("p", "p/luts"), ("p/sub", "p")])
+def test_outputs_among_the_photos_are_refused(facecrf, tmp_path, source, output):
+    (tmp_path / "p" / "sub").mkdir(parents=True)
+    before = names_in(tmp_path / "p")
+    ended = batch(facecrf, tmp_path / source, tmp_path / output)
+    assert ended.code == 1
+    assert "lies inside" in ended.err
+    assert names_in(tmp_path / "p") == before
+
+
+@pytest.mark.parametrize("gone", ["emptied", "removed"])
+def test_a_vanished_source_stops_the_run_and_nothing_is_called_deleted(
+    facecrf, archive, tmp_path, gone
+):
+    output = tmp_path / "luts"
+    batch(facecrf, archive, output)
+    before = rows(output)
+    shutil.rmtree(archive)
+    if gone == "emptied":
+        archive.mkdir()
+    ended = batch(facecrf, archive, output)
+    assert ended.code == 3
+    assert "mount it" in ended.err
+    assert rows(output) == before
+    assert facecrf("verify", output).code == 0
+
+
+def test_globs_and_lists_choose_photos(facecrf, archive, tmp_path):
+    batch(facecrf, archive, tmp_path / "one", "--include", "*.PNG", "--exclude", "sub")
+    assert [name for (name,) in rows(tmp_path / "one", "name")] == ["a.png", "cut.png"]
+    names = tmp_path / "list"
+    names.write_bytes(b"a.jpg\0sub/copy.png\0")
+    batch(facecrf, archive, tmp_path / "two", "--files-from", names, "-0")
+    assert [name for (name,) in rows(tmp_path / "two", "name")] == ["a.jpg", "sub/copy.png"]
+
+
+def answers(pool: Pool, task: Task):
+    pool.submit(task)
+    while pool.busy:
+        yield from pool.results()
+
+
+@pytest.fixture
+def task(archive, tmp_path):
+    return Task(
+        archive / "a.jpg", "a.jpg", tmp_path / "o", Recipe("mean", formats=("spi1d",)), True
+    )
+
+
+def test_a_photo_whose_process_crashes_is_tried_once_more(task):
+    with Pool(1, Limits()) as pool:
+        pool.submit(task)
+        pool._workers[0].process.kill()
+        ((_, result),) = pool.results()
+        assert result.outcome == "fallback"
+
+
+def test_a_photo_that_crashes_twice_is_listed_and_the_next_one_is_done(task, monkeypatch):
+    with Pool(1, Limits()) as pool:
+        hire = pool._hire
+
+        def hire_to_die():
+            worker = hire()
+            worker.process.kill()
+            return worker
+
+        with monkeypatch.context() as crashing:
+            crashing.setattr(pool, "_hire", hire_to_die)
+            ((_, result),) = answers(pool, task)
+        assert "crashed the process that read it, twice (SIGKILL)" in result.reason
+        ((_, result),) = answers(pool, task)
+        assert result.outcome == "fallback"
+
+
+def test_a_photo_that_hangs_is_stopped_and_the_next_one_is_done(task):
+    with Pool(1, Limits(seconds=2)) as pool:
+        list(answers(pool, task))
+        os.kill(pool._workers[0].process.pid, signal.SIGSTOP)
+        ((_, result),) = answers(pool, task)
+        assert "took longer than 2 s" in result.reason
+        ((_, result),) = answers(pool, task)
+        assert result.outcome == "fallback"
+
+
+def test_a_photo_that_needs_too_much_memory_is_stopped(task):
+    with Pool(1, Limits(megabytes=1)) as pool:
+        ((_, result),) = answers(pool, task)
+        assert "more than 1 MB" in result.reason
+
+
+def test_resume_decides_on_a_hundred_thousand_rows_in_seconds(tmp_path):
+    manifest = Manifest(tmp_path)
+    stamp = Stamp(1, 2, "recipe")
+    with manifest.transaction():
+        for number in range(100_000):
+            manifest.finish(f"{number:06d}.jpg", stamp, Result("calibrated", "weak"))
+    begin = time.monotonic()
+    assert all(manifest.known(f"{n:06d}.jpg").stamp == stamp for n in range(100_000))
+    assert time.monotonic() - begin < 10
+    manifest.close()
+
+
+@pytest.mark.slow
+def test_killed_ten_times_and_resumed_it_is_the_same_as_unbroken(facecrf, tmp_path):
+    source, whole, broken = (tmp_path / name for name in ("photos", "whole", "broken"))
+    for number in range(200):
+        folder = source / f"{number % 7}"
+        folder.mkdir(parents=True, exist_ok=True)
+        photo = write_noise(folder / f"n {number}.png", seed=number % 180)
+        if number % 20 == 0:
+            photo.write_bytes(photo.read_bytes()[: number])
+    assert batch(facecrf, source, whole).code == 0
+    assert len(rows(whole)) == 200
+    command = [sys.executable, "-c", CODE, "batch", str(source), "-o", str(broken)]
+    command += ["--estimator", "mean", "--formats", "spi1d", "--jobs", "2"]
+    chance, done = random.Random(6), 0  # noqa: S311
+    for _ in range(10):
+        process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
+        time.sleep(chance.uniform(1.0, 3.5))
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        before, done = done, sum(state == "done" for (state,) in rows(broken, "state"))
+        assert done >= before
+    assert done > 0
+    assert batch(facecrf, source, broken).code == 0
+    assert rows(broken) == rows(whole)
+    assert files(broken) == files(whole)
+    assert facecrf("verify", broken).code == 0
