@@ -9,6 +9,7 @@ from differences import directional_slopes
 from hypothesis import given
 from hypothesis import strategies as st
 
+from facecrf_ocio.cues import edge_patches
 from facecrf_ocio.cues.edge import edge_cue
 from facecrf_ocio.cues.edge_patches import find_edge_patches, gather_blends
 from facecrf_ocio.cues.evidence import Evidence, Lacking
@@ -156,3 +157,17 @@ def test_too_little_evidence_is_said_with_a_remedy(photo, reason):
     assert isinstance(answer, Lacking)
     assert reason in answer.reason
     assert answer.remedy
+
+
+@pytest.mark.parametrize("rows", [1, 2, 5])
+def test_bands_of_any_height_find_the_same_patches(rows, monkeypatch):
+    linear, _ = linear_scene(rows=4, columns=6)
+    encoded = photograph(linear, MEAN).encoded
+    monkeypatch.setattr(edge_patches, "BAND_ROWS", edge_patches.SPACING * 10_000)
+    whole = find_edge_patches(encoded)
+    monkeypatch.setattr(edge_patches, "BAND_ROWS", edge_patches.SPACING * rows)
+    banded = find_edge_patches(encoded)
+    assert [p.corner_xy for p in banded] == [p.corner_xy for p in whole]
+    assert len(whole) > 10
+    for one, other in zip(banded, whole, strict=True):
+        np.testing.assert_array_equal(one.blends, other.blends)
