@@ -236,7 +236,7 @@ def test_killed_ten_times_and_resumed_it_is_the_same_as_unbroken(facecrf, tmp_pa
         folder.mkdir(parents=True, exist_ok=True)
         photo = write_noise(folder / f"n {number}.png", seed=number % 180)
         if number % 20 == 0:
-            photo.write_bytes(photo.read_bytes()[: number])
+            photo.write_bytes(photo.read_bytes()[:number])
     assert batch(facecrf, source, whole).code == 0
     assert len(rows(whole)) == 200
     command = [sys.executable, "-c", CODE, "batch", str(source), "-o", str(broken)]
