@@ -32,7 +32,7 @@ RELIABLE_SHARE = 0.98
 RELIABLE_ERROR = 0.045
 # Photos of one camera err alike in part (what a cue does not know of any photo): the correlation of
 # their errors.
-PHOTO_CORRELATION = 0.15
+PHOTO_CORRELATION = 0.3
 _DRAWS = 512
 
 
