@@ -1,0 +1,156 @@
+"""Linearize Photo: a photo's curve, estimated by `facecrf`, as native compositor nodes."""
+
+# Names, signatures and lists as Blender asks for them.
+# ruff: noqa: D101, D102, D103, D400, N801, ARG002, RUF012
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+
+from .command import CommandError, calibrate, find_command, linearize
+from .curve_group import new_curve_group
+
+PHOTOS = {".jpg", ".jpeg", ".png", ".tif", ".tiff"}
+
+
+class FacecrfPreferences(bpy.types.AddonPreferences):
+    bl_idname = __package__
+
+    command: bpy.props.StringProperty(
+        name="facecrf command", default="facecrf", subtype="FILE_PATH"
+    )
+    estimator: bpy.props.StringProperty(name="Estimator", default="auto")
+
+    def draw(self, context):
+        self.layout.prop(self, "command")
+        self.layout.prop(self, "estimator")
+        try:
+            find_command(self.command)
+        except CommandError as error:
+            self.layout.label(text=str(error), icon="ERROR")
+
+
+def _preferences(context):
+    return context.preferences.addons[__package__].preferences
+
+
+class FACECRF_OT_linearize_photo(bpy.types.Operator):
+    """Calibrate an image from the faces in it and add its curve to the compositor"""
+
+    bl_idname = "facecrf.linearize_photo"
+    bl_label = "Linearize Photo"
+    bl_options = {"REGISTER", "UNDO"}
+
+    image: bpy.props.StringProperty(name="Image")
+
+    def execute(self, context):
+        chosen = _preferences(context)
+        image = bpy.data.images.get(self.image)
+        if image is None:
+            self.report({"ERROR"}, f"no image is named {self.image!r}; load it first")
+            return {"CANCELLED"}
+        path = Path(bpy.path.abspath(image.filepath))
+        if not image.filepath or not path.is_file():
+            self.report({"ERROR"}, f"{image.name}: is not a file on disk; save the image first")
+            return {"CANCELLED"}
+        try:
+            found = calibrate(chosen.command, path, chosen.estimator)
+        except CommandError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        _add_nodes(context.scene, image, new_curve_group(image.name, found))
+        self.report({"INFO"}, f"{image.name}: {found.verdict}: {found.reason}")
+        return {"FINISHED"}
+
+
+class FACECRF_OT_linearize_folder(bpy.types.Operator):
+    """Write every photo of a folder as a scene-linear EXR into another folder"""
+
+    bl_idname = "facecrf.linearize_folder"
+    bl_label = "Linearize Folder"
+
+    directory: bpy.props.StringProperty(name="Photos", subtype="DIR_PATH")
+    output: bpy.props.StringProperty(name="EXR files", subtype="DIR_PATH")
+
+    def invoke(self, context, event):
+        return context.window_manager.invoke_props_dialog(self)
+
+    def execute(self, context):
+        chosen = _preferences(context)
+        source, target = (Path(bpy.path.abspath(p)) for p in (self.directory, self.output))
+        if not self.directory or not self.output or not source.is_dir():
+            self.report({"ERROR"}, "name a folder of photos and a folder for the EXR files")
+            return {"CANCELLED"}
+        try:
+            find_command(chosen.command)
+            target.mkdir(parents=True, exist_ok=True)
+            photos = sorted(p for p in source.iterdir() if p.suffix.lower() in PHOTOS)
+        except (CommandError, OSError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        written = 0
+        for photo in photos:
+            try:
+                linearize(chosen.command, photo, target / f"{photo.name}.exr", chosen.estimator)
+                written += 1
+            except CommandError as error:
+                self.report({"WARNING"}, str(error))
+        self.report({"INFO"}, f"{written} of {len(photos)} photos written to {target}")
+        return {"FINISHED"} if written else {"CANCELLED"}
+
+
+def _add_nodes(scene, image, group):
+    # The curve expects code values, not what Blender would make of them.
+    image.colorspace_settings.name = "Non-Color"
+    tree = scene.compositing_node_group
+    if tree is None:
+        tree = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
+        tree.interface.new_socket(name="Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        scene.compositing_node_group = tree
+    source = tree.nodes.new("CompositorNodeImage")
+    source.image = image
+    node = tree.nodes.new("CompositorNodeGroup")
+    node.node_tree = group
+    node.label = "Linearize Photo"
+    node.location = (250, 0)
+    tree.links.new(source.outputs["Image"], node.inputs["Image"])
+    leave = next((n for n in tree.nodes if n.bl_idname == "NodeGroupOutput"), None)
+    if leave is None:
+        leave = tree.nodes.new("NodeGroupOutput")
+        leave.location = (500, 0)
+    if leave.inputs and not leave.inputs[0].is_linked:
+        tree.links.new(node.outputs["Image"], leave.inputs[0])
+
+
+class FACECRF_PT_panel(bpy.types.Panel):
+    bl_label = "Linearize Photo"
+    bl_space_type = "NODE_EDITOR"
+    bl_region_type = "UI"
+    bl_category = "facecrf"
+
+    def draw(self, context):
+        for image in bpy.data.images:
+            if image.source == "FILE":
+                row = self.layout.operator("facecrf.linearize_photo", text=image.name)
+                row.image = image.name
+        self.layout.operator("facecrf.linearize_folder")
+
+
+CLASSES = (
+    FacecrfPreferences,
+    FACECRF_OT_linearize_photo,
+    FACECRF_OT_linearize_folder,
+    FACECRF_PT_panel,
+)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)
