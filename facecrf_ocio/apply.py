@@ -85,7 +85,7 @@ def apply_lut(photo: Photo, lut: str | Path) -> Float32:
         If the file is missing, is not a LUT, or gives NaN or infinities.
     """
     lut = Path(lut)
-    processor = _processor(lut)
+    processor = lut_processor(lut)
     cpu = processor.getOptimizedCPUProcessor(ocio.OptimizationFlags.OPTIMIZATION_LOSSLESS)
 
     def transform(values: Float32) -> Float32:
@@ -178,7 +178,7 @@ def _map_codes(photo: Photo, transform: Callable[[Float32], Float32]) -> Float32
     return result
 
 
-def _processor(lut: Path) -> Any:
+def lut_processor(lut: Path) -> Any:
     """The processor of one LUT file, as it is on the disk now."""
     if not lut.is_file():
         problem = (

@@ -14,6 +14,8 @@ from facecrf_ocio import __version__
 from facecrf_ocio.cli_archive import batch, verify
 from facecrf_ocio.cli_bench import bench
 from facecrf_ocio.cli_calibrate import calibrate
+from facecrf_ocio.cli_config import ocio_config
+from facecrf_ocio.cli_lint import lint
 from facecrf_ocio.cli_options import (
     PHOTO_PATH,
     TEXT_PATH,
@@ -21,7 +23,6 @@ from facecrf_ocio.cli_options import (
     estimation_options,
     exr_options,
 )
-from facecrf_ocio.cli_lint import lint
 from facecrf_ocio.cli_pair import pair
 from facecrf_ocio.cli_terminal import (
     DONE,
@@ -46,6 +47,7 @@ def main() -> None:
 main.add_command(calibrate)
 main.add_command(bench)
 main.add_command(pair)
+main.add_command(ocio_config)
 main.add_command(lint)
 main.add_command(batch)
 main.add_command(verify)

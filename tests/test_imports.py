@@ -26,9 +26,19 @@ LAYERS = (
     ("joint",),
     ("calibrate", "together", "pair"),
     ("export", "apply", "lint"),
-    ("report", "benchmark", "linearize", "demo", "synthetic"),
+    ("report", "benchmark", "linearize", "demo", "synthetic", "ocio_config"),
     ("training", "archive"),
-    ("cli", "cli_options", "cli_terminal", "cli_calibrate", "cli_archive", "cli_bench", "cli_lint", "cli_pair"),
+    (
+        "cli",
+        "cli_config",
+        "cli_options",
+        "cli_terminal",
+        "cli_calibrate",
+        "cli_archive",
+        "cli_bench",
+        "cli_lint",
+        "cli_pair",
+    ),
 )
 RANK = {unit: rank for rank, layer in enumerate(LAYERS) for unit in layer}
 
@@ -97,7 +107,7 @@ def test_no_two_units_import_each_other():
 @pytest.mark.parametrize(
     ("library", "units"),
     [
-        ("PyOpenColorIO", {"export", "apply"}),
+        ("PyOpenColorIO", {"export", "apply", "ocio_config"}),
         ("OpenImageIO", {"read", "raw", "profile", "pixels", "integrity", "apply"}),
         ("rawpy", {"raw"}),
         ("matplotlib", {"report", "demo"}),

@@ -1,0 +1,45 @@
+"""The command `facecrf ocio-config`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from facecrf_ocio.cli_options import TEXT_PATH
+from facecrf_ocio.cli_terminal import DONE, ending_well, one_line
+
+
+@click.command("ocio-config")
+@click.argument("luts", nargs=-1, required=True, type=TEXT_PATH, metavar="DIR|LUT...")
+@click.option("-o", "--output", required=True, type=TEXT_PATH, help="A .ocio or .ocioz file.")
+@click.option(
+    "--form",
+    type=click.Choice(["auto", "spaces", "variable"]),
+    default="auto",
+    show_default=True,
+    help="A color space per photo, or one that the context variable FACECRF_PHOTO directs.",
+)
+@click.option("--merge", metavar="CONFIG", help="Extend this config: a file or ocio://NAME.")
+@click.option(
+    "--reference",
+    type=click.Choice(["acescg", "lin_rec709", "lin_p3d65", "aces2065-1"]),
+    help="Scene reference of that config, if it has no role aces_interchange.",
+)
+@click.option(
+    "--primaries",
+    type=click.Choice(["Rec.709", "Display P3", "Rec.2020", "Adobe RGB"]),
+    help="Of the photos; Rec.709 unless given.",
+)
+@click.option("--overwrite", is_flag=True, help="Replace existing files.")
+@ending_well
+def ocio_config(luts: tuple[Path, ...], output: Path, primaries: str | None, **choices: Any) -> int:
+    """Write an OpenColorIO config of many photos' LUTs."""
+    from facecrf_ocio.ocio_config import write_config
+    from facecrf_ocio.profile import known_primaries
+
+    given = known_primaries(primaries, "assumed") if primaries else None
+    written = write_config(luts, output, primaries=given, **choices)
+    click.echo(one_line(f"{written[0]}: config with {max(len(written) - 1, 0)} files beside it"))
+    return DONE
