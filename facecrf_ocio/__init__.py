@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from facecrf_ocio.joint import misfit as misfit
     from facecrf_ocio.read import read_photo as read_photo
     from facecrf_ocio.settings import Settings as Settings
+    from facecrf_ocio.together import Together as Together
+    from facecrf_ocio.together import calibrate_together as calibrate_together
     from facecrf_ocio.values import Confidence as Confidence
     from facecrf_ocio.values import Estimate as Estimate
     from facecrf_ocio.values import InverseCRF as InverseCRF
     from facecrf_ocio.values import Outcome as Outcome
     from facecrf_ocio.values import Photo as Photo
     from facecrf_ocio.values import Primaries as Primaries
-    from facecrf_ocio.together import Together as Together
-    from facecrf_ocio.together import calibrate_together as calibrate_together
     from facecrf_ocio.values import Verdict as Verdict
 
 __version__ = "0.1.0"
