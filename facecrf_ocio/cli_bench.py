@@ -161,6 +161,29 @@ def ablations(
 
 
 @bench.command()
+@click.argument("source", type=_PATH)
+@click.option("--estimators", default="all", show_default=True, metavar="NAMES")
+@click.option("-o", "--output", required=True, type=_PATH, metavar="DIR")
+@ending_well
+def pairs(source: Path, estimators: str, output: Path) -> int:
+    """Compare every estimator with real cameras (the paper's Table 2).
+
+    SOURCE is a folder with a.dng and a.jpg (or a.exr and a.png) of the same exposures, or a list of
+    two columns, separated by a tab: linear image, encoded image. The truth is what `facecrf pair`
+    fits to them. Interrupted and started again, it goes on where it was.
+    """
+    from facecrf_ocio.benchmark.cases import choose_estimators
+    from facecrf_ocio.benchmark.pairs import find_pairs, run_pairs
+
+    chosen = choose_estimators(estimators)
+    found = find_pairs(source)
+    require_writable(output)
+    with _progress() as progress:
+        table = run_pairs(found, chosen, output, Settings(), progress)
+    return _told(table.text, table.files)
+
+
+@bench.command()
 @click.option("-o", "--output", required=True, type=_PATH, metavar="DIR")
 @click.option("--faces", type=_PATH, metavar="DIR", help="Linear images for the curves (Fig. 7).")
 @click.option("--pattern", default="*", help="Names to take from it.")

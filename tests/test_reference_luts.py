@@ -11,7 +11,7 @@ import pytest
 
 PROJECT = Path(__file__).parents[1]
 SCRIPT = PROJECT / "examples" / "make_reference_luts.py"
-NAMES = ("g0", "gamma22", "rec709", "srgb")
+NAMES = ("g0", "gamma22", "modern", "rec709", "srgb")
 
 
 def table(path: Path) -> np.ndarray:

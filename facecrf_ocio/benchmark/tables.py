@@ -15,6 +15,7 @@ from facecrf_ocio.benchmark.workbench import Result
 _TITLES = {
     HELD_OUT: "Held-out protocol: the prior never saw the tested curve nor its fold",
     PAPER: "Paper protocol: the shipped prior, which has seen all DoRF curves",
+    "pairs": "Real cameras, responses fitted to linear images of the same exposures",
 }
 _LEGEND = """\
 min to std: RMSE of g x 100 on 1,024 uniform encoded values, mean of the channels. A photo that the
