@@ -51,6 +51,13 @@ def test_auto_is_joint(photos):
     assert np.array_equal(auto.curve.linear, joint.curve.linear)
 
 
+def test_more_bits_do_not_change_what_a_cue_sees(photos):
+    """The networks know photos of 8 bits: those of 16 are rounded before they are looked at."""
+    fine = Photo(photos[0].encoded, bit_depth=16, camera=photos[0].camera)
+    same = calibrate(fine, estimator="joint").curve.linear
+    assert np.allclose(same, calibrate(photos[0], estimator="joint").curve.linear, atol=1e-6)
+
+
 def test_every_cue_speaks(evidence):
     assert set(evidence[0].messages) == set(CUES)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -116,6 +116,7 @@ def gather(
     if not found.faces:
         return lacking("no face found", "use a photo with a face, or --fallback mean")
     face = max(found.faces, key=lambda candidate: float(candidate.box_xy[2]))
+    photo = _in_8_bits(photo)
     statistics = face_statistics(cut_face(photo, face, settings), settings)
     if statistics is None:
         return lacking("the face shows too little skin of one hue", _LARGER)
@@ -123,6 +124,13 @@ def gather(
     return PhotoEvidence(
         networks.messages(by_cue), _histograms(statistics.encoded), leaning, face=face
     )
+
+
+def _in_8_bits(photo: Photo) -> Photo:
+    """The photo as the networks know photos: rounding is part of the noise they learned from."""
+    if photo.bit_depth == 8:
+        return photo
+    return replace(photo, encoded=np.rint(photo.encoded * 255.0) / np.float32(255.0), bit_depth=8)
 
 
 def _histograms(encoded: Float) -> Float:
