@@ -130,7 +130,7 @@ def test_all_faces_of_the_photo_are_used_together():
     small = [replace(s, height=360, width=300, face_width=180.0) for s in SPECS[:2]]
     halves = [photograph(render_face(s), gamma_curve(2.2)).encoded for s in small]
     photo = Photo(encoded=np.concatenate(halves, axis=1))
-    found = calibrate(photo)
+    found = calibrate(photo, estimator="face")
     settings = Settings()
     pairs = [analyze_face(cut_face(photo, f, settings), settings) for f in found.faces]
     melanin = sum(int(a.gradients.is_melanin.sum()) for a in pairs)
