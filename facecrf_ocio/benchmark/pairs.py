@@ -5,37 +5,24 @@ from __future__ import annotations
 import csv
 import hashlib
 import json
-import time
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 
 from facecrf_ocio.benchmark.camera import count_codes
 from facecrf_ocio.benchmark.cases import code_digest
-from facecrf_ocio.benchmark.metrics import score
 from facecrf_ocio.benchmark.store import Store
-from facecrf_ocio.benchmark.tables import (
-    Row,
-    markdown,
-    results_csv,
-    results_record,
-    rows_csv,
-    summarize,
-    timing_markdown,
-)
-from facecrf_ocio.benchmark.workbench import Result
-from facecrf_ocio.calibrate import calibrate
+from facecrf_ocio.benchmark.tables import Row, markdown, summarize
+from facecrf_ocio.benchmark.workbench import Asked, Result, Subject, measure
+from facecrf_ocio.benchmark.written import write_tables
 from facecrf_ocio.errors import FaceCRFError, PhotoError
-from facecrf_ocio.export.atomic import Draft, write_files
-from facecrf_ocio.export.strict_json import dump
 from facecrf_ocio.export.versions import versions
 from facecrf_ocio.pair.calibrate_pair import calibrate_pair
 from facecrf_ocio.raw import RAW_SUFFIXES
 from facecrf_ocio.read import read_photo
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.values import Estimate, Float, Outcome, Photo
 
 PAIRS = "pairs"
 _LINEAR = RAW_SUFFIXES | {".exr", ".hdr"}
@@ -118,11 +105,11 @@ def run_pairs(
     progress(0, len(pairs))
     for number, pair in enumerate(pairs):
         try:
-            asked = {name: _key(pair, name, settings) for name in estimators}
-            if any(key not in store.results for key in asked.values()):
+            asked = _keys(pair, estimators, settings)
+            if any(key not in store.results for key in asked):
                 measured = _measure(pair, number, estimators, settings)
-                store.append(dict(zip(asked.values(), measured, strict=True)))
-            keys.update(dict.fromkeys(asked.values()))
+                store.append(dict(zip(asked, measured, strict=True)))
+            keys.update(dict.fromkeys(asked))
         except FaceCRFError as error:
             left_out.append(str(error))
         progress(number + 1, len(pairs))
@@ -138,15 +125,8 @@ def run_pairs(
         "pairs": [[pair.linear.name, pair.encoded.name] for pair in pairs],
         "left_out": left_out,
     }
-    contents = {
-        "table.md": text.encode(),
-        "table.csv": rows_csv(rows),
-        "cases.csv": results_csv(results),
-        "results.json": dump(results_record(run, rows, results)),
-        "timing.md": timing_markdown(results).encode(),
-    }
-    drafts = [Draft(output / name, content, lambda _: None) for name, content in contents.items()]
-    return PairsTable(rows, text, write_files(drafts, overwrite=True), tuple(left_out))
+    files = write_tables(output, text, run, rows, results)
+    return PairsTable(rows, text, files, tuple(left_out))
 
 
 def _measure(
@@ -156,59 +136,32 @@ def _measure(
     fitted = calibrate_pair(read_photo(pair.linear), photo).estimate.curve
     grid = np.linspace(0.0, 1.0, _GRID)
     truth = np.array([np.interp(grid, fitted.encoded, curve) for curve in fitted.linear])
-    for name in estimators:
-        result = _judge(pair, number, photo, truth, _timed(photo, name, settings))
-        yield replace(result, estimator=name)
-
-
-def _timed(photo: Photo, name: str, settings: Settings) -> tuple[Estimate, str, float]:
-    start = time.perf_counter()
-    failure = ""
-    try:
-        estimate = calibrate(photo, estimator=name, settings=settings)
-    except Exception as error:  # one photo must not end the run
-        failure = f"{type(error).__name__}: {error}"
-        estimate = Estimate(Outcome.NOT_CALIBRATED, name, failure)
-    return estimate, failure, time.perf_counter() - start
-
-
-def _judge(
-    pair: Pair, number: int, photo: Photo, truth: Float, answer: tuple[Estimate, str, float]
-) -> Result:
-    estimate, failure, seconds = answer
-    scored = estimate if estimate.found is not None else calibrate(photo, estimator="mean")
-    errors = score(scored.curve, scored.confidence, truth, count_codes(photo))
-    red, green, blue = errors.rmse_channels
-    return Result(
+    subject = Subject(
         protocol=PAIRS,
-        estimator=estimate.estimator,
         image=pair.encoded.name,
         row=number,
         response=pair.linear.name,
         family=f"{photo.camera.make} {photo.camera.model}".strip(),
         fold=None,
-        outcome="failed" if failure else str(estimate.outcome),
-        answered=estimate.found is not None,
-        reason=failure or estimate.reason,
-        rmse=errors.rmse,
-        rmse_red=red,
-        rmse_green=green,
-        rmse_blue=blue,
-        rmse_scaled=errors.rmse_scaled,
-        stops=errors.stops,
-        band_coverage=errors.band_coverage,
-        seconds=seconds,
+        truth=truth,
     )
+    counts = count_codes(photo)
+    for name in estimators:
+        yield measure(subject, photo, counts, Asked(name, settings))
 
 
 def _by_estimator(results: list[Result], estimators: tuple[str, ...]) -> tuple[Result, ...]:
     return tuple(sorted(results, key=lambda r: (estimators.index(r.estimator), r.row)))
 
 
-def _key(pair: Pair, estimator: str, settings: Settings) -> str:
+def _keys(pair: Pair, estimators: tuple[str, ...], settings: Settings) -> tuple[str, ...]:
+    """For each estimator a digest of all that its result depends on."""
     digests = [_digest_of(path) for path in (pair.linear, pair.encoded)]
-    content = [PAIRS, digests, estimator, asdict(settings), versions(), code_digest()]
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+    keys = []
+    for estimator in estimators:
+        content = [PAIRS, digests, estimator, asdict(settings), versions(), code_digest()]
+        keys.append(hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest())
+    return tuple(keys)
 
 
 def _digest_of(path: Path) -> str:

@@ -10,18 +10,9 @@ from facecrf_ocio.benchmark.cases import Plan
 from facecrf_ocio.benchmark.folds import fit_held_out
 from facecrf_ocio.benchmark.pool import measure_tasks
 from facecrf_ocio.benchmark.store import Store
-from facecrf_ocio.benchmark.tables import (
-    Row,
-    markdown,
-    results_csv,
-    results_record,
-    rows_csv,
-    summarize,
-    timing_markdown,
-)
+from facecrf_ocio.benchmark.tables import Row, markdown, summarize, timing_markdown
 from facecrf_ocio.benchmark.workbench import Result
-from facecrf_ocio.export.atomic import Draft, write_files
-from facecrf_ocio.export.strict_json import dump
+from facecrf_ocio.benchmark.written import write_tables
 
 Progress = Callable[[int, int], None]
 
@@ -103,12 +94,5 @@ def _check_folds(plan: Plan) -> None:
 def _write_tables(plan: Plan, results: tuple[Result, ...], output: Path) -> SyntheticTable:
     rows = summarize(results)
     text, timing = markdown(rows), timing_markdown(results)
-    contents = {
-        "table.md": text.encode(),
-        "table.csv": rows_csv(rows),
-        "cases.csv": results_csv(results),
-        "results.json": dump(results_record(plan.description(), rows, results)),
-        "timing.md": timing.encode(),
-    }
-    drafts = [Draft(output / name, content, lambda _: None) for name, content in contents.items()]
-    return SyntheticTable(rows, results, text, timing, write_files(drafts, overwrite=True))
+    files = write_tables(output, text, plan.description(), rows, results)
+    return SyntheticTable(rows, results, text, timing, files)

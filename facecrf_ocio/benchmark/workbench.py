@@ -17,7 +17,8 @@ from facecrf_ocio.benchmark.metrics import score
 from facecrf_ocio.calibrate import calibrate
 from facecrf_ocio.joint import JointModel
 from facecrf_ocio.response.model import ResponseModel, dorf_model
-from facecrf_ocio.values import Estimate, Outcome, Photo
+from facecrf_ocio.settings import Settings
+from facecrf_ocio.values import Estimate, Float, Outcome, Photo
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,35 +105,18 @@ class Workbench:
         return joint_model(self._plan.responses, self._fold(case))
 
     def _measure(self, case: Case, photo: Photo, counts: np.ndarray) -> Result:
-        model, responses = self.model(case), self._plan.responses
-        start = time.perf_counter()
-        estimate, failure = _estimate(photo, case.estimator, self._judge(case), self._plan)
-        seconds = time.perf_counter() - start
-        scored = estimate
-        if estimate.found is None:
-            scored = calibrate(photo, estimator="mean", model=model)
-        errors = score(scored.curve, scored.confidence, responses.inverse[case.row], counts)
-        red, green, blue = errors.rmse_channels
-        return Result(
+        responses = self._plan.responses
+        subject = Subject(
             protocol=case.protocol,
-            estimator=case.estimator,
             image=self._plan.images[case.image].name,
             row=case.row,
             response=responses.names[case.row],
             family=responses.family(case.row),
             fold=self._fold(case),
-            outcome="failed" if failure else str(estimate.outcome),
-            answered=estimate.found is not None,
-            reason=failure or estimate.reason,
-            rmse=errors.rmse,
-            rmse_red=red,
-            rmse_green=green,
-            rmse_blue=blue,
-            rmse_scaled=errors.rmse_scaled,
-            stops=errors.stops,
-            band_coverage=errors.band_coverage,
-            seconds=seconds,
+            truth=responses.inverse[case.row],
         )
+        asked = Asked(case.estimator, self._plan.settings, self._judge(case), self.model(case))
+        return measure(subject, photo, counts, asked)
 
     def _fold(self, case: Case) -> int | None:
         if case.protocol != HELD_OUT or self._fold_of is None:
@@ -148,12 +132,78 @@ class Workbench:
         return replace(self._plan.images[image].read(), scene_linear=True)
 
 
-def _estimate(
-    photo: Photo, estimator: str, model: ResponseModel | JointModel, plan: Plan
-) -> tuple[Estimate, str]:
+@dataclass(frozen=True, slots=True, eq=False)
+class Subject:
+    """A photo of known response: the columns of `Result` that say which, and the truth (3, K)."""
+
+    protocol: str
+    image: str
+    row: int
+    response: str
+    family: str
+    fold: int | None
+    truth: Float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Asked:
+    """An estimator, what it may know, and the prior whose mean stands in where it refuses."""
+
+    estimator: str
+    settings: Settings
+    model: ResponseModel | JointModel | None = None
+    prior: ResponseModel | None = None
+
+
+def measure(subject: Subject, photo: Photo, counts: np.ndarray, asked: Asked) -> Result:
+    """Show a photo to an estimator and score its answer.
+
+    Parameters
+    ----------
+    subject
+        Which photo it is.
+    photo, counts
+        The photo, and the pixels of each of its code values as `count_codes` gives them.
+    asked
+        Who is asked.
+    """
+    start = time.perf_counter()
+    estimate, failure = _estimate(photo, asked)
+    seconds = time.perf_counter() - start
+    scored = estimate
+    if estimate.found is None:
+        scored = calibrate(photo, estimator="mean", model=asked.prior)
+    errors = score(scored.curve, scored.confidence, subject.truth, counts)
+    red, green, blue = errors.rmse_channels
+    return Result(
+        protocol=subject.protocol,
+        estimator=asked.estimator,
+        image=subject.image,
+        row=subject.row,
+        response=subject.response,
+        family=subject.family,
+        fold=subject.fold,
+        outcome="failed" if failure else str(estimate.outcome),
+        answered=estimate.found is not None,
+        reason=failure or estimate.reason,
+        rmse=errors.rmse,
+        rmse_red=red,
+        rmse_green=green,
+        rmse_blue=blue,
+        rmse_scaled=errors.rmse_scaled,
+        stops=errors.stops,
+        band_coverage=errors.band_coverage,
+        seconds=seconds,
+    )
+
+
+def _estimate(photo: Photo, asked: Asked) -> tuple[Estimate, str]:
     """The estimate, and what broke if the estimator did: one photo must not end a night's run."""
     try:
-        return calibrate(photo, estimator=estimator, settings=plan.settings, model=model), ""
+        estimate = calibrate(
+            photo, estimator=asked.estimator, settings=asked.settings, model=asked.model
+        )
+        return estimate, ""
     except Exception as error:
         failure = f"{type(error).__name__}: {error}"
-        return Estimate(Outcome.NOT_CALIBRATED, estimator, failure), failure
+        return Estimate(Outcome.NOT_CALIBRATED, asked.estimator, failure), failure

@@ -79,7 +79,7 @@ def _gather(photo: Photo, model: ResponseModel, settings: Settings, *, shaded: b
         )
     found = find_faces(photo.encoded, settings)
     if not found.faces:
-        return _lacking_faces(found, settings)
+        return lacking_faces(found, settings)
     analyzed = [analyze_face(cut_face(photo, face, settings), settings) for face in found.faces]
     usable = [face for face in analyzed if face is not None]
     evidence = [pigment_evidence(face, shaded=shaded) for face in usable]
@@ -190,7 +190,8 @@ def _faces(count: int) -> str:
     return "1 face" if count == 1 else f"{count} faces"
 
 
-def _lacking_faces(found: FoundFaces, settings: Settings) -> Lacking:
+def lacking_faces(found: FoundFaces, settings: Settings) -> Lacking:
+    """Why no face of a photo can be used."""
     if found.too_small:
         return Lacking(
             f"{_faces(found.too_small)} found, narrower than {settings.min_face_width} px",

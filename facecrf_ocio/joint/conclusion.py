@@ -15,7 +15,7 @@ from facecrf_ocio.joint.fuse import agreeing_shares, multiply
 from facecrf_ocio.joint.messages import Networks, load_networks
 from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior, load_prior
 from facecrf_ocio.response.fixed import fixed_curve
-from facecrf_ocio.response.model import CURVE_SIZE, dorf_model, strictly_increasing
+from facecrf_ocio.response.model import dorf_model, inverse_crf, strictly_increasing
 from facecrf_ocio.values import (
     CHANNELS,
     Confidence,
@@ -96,9 +96,7 @@ def conclude(
     posterior = model.prior.posterior(message, weights)
     coefficients = posterior.mean
     curve = strictly_increasing([model.prior.samples(coefficients)] * len(CHANNELS))
-    encoded = np.linspace(0.0, 1.0, CURVE_SIZE)
-    dense = strictly_increasing([np.interp(encoded, model.prior.grid, c) for c in curve])
-    found = InverseCRF(encoded, dense)
+    found = inverse_crf(model.prior.grid, curve)
     confidence = _confidence(telling, posterior, found, model, dissent)
     if not telling:
         first = evidence[0] if evidence else PhotoEvidence({}, np.empty(0), 0.0, "no photo given")

@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 
-from facecrf_ocio.cues.face import cut_face
+from facecrf_ocio.cues.face import cut_face, lacking_faces
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.joint.messages import Networks, shipped_networks
@@ -110,11 +110,9 @@ def gather(
     if photo.grayscale:
         return lacking("the photo is grayscale, and skin shows its response only in color", _COLOR)
     found = find_faces(photo.encoded, settings)
-    if not found.faces and found.too_small:
-        count = "1 face" if found.too_small == 1 else f"{found.too_small} faces"
-        return lacking(f"{count} found, narrower than {settings.min_face_width} px", _LARGER)
     if not found.faces:
-        return lacking("no face found", "use a photo with a face, or --fallback mean")
+        why = lacking_faces(found, settings)
+        return lacking(why.reason, why.remedy)
     face = max(found.faces, key=lambda candidate: float(candidate.box_xy[2]))
     photo = _in_8_bits(photo)
     statistics = face_statistics(cut_face(photo, face, settings), settings)

@@ -54,10 +54,7 @@ class ResponseModel:
 
     def inverse_crf(self, samples: Float) -> InverseCRF:
         """The valid curve nearest to samples (3, K) on the grid, at 4096 encoded values."""
-        encoded = np.linspace(0.0, 1.0, CURVE_SIZE)
-        return InverseCRF(
-            encoded, strictly_increasing([np.interp(encoded, self.grid, s) for s in samples])
-        )
+        return inverse_crf(self.grid, samples)
 
     def save(self, path: Path) -> None:
         """Write the model as .npz; the same model gives the same bytes of every array."""
@@ -68,6 +65,12 @@ class ResponseModel:
             mixture_means=self.mixture.means,
             mixture_covariances=self.mixture.covariances,
         )
+
+
+def inverse_crf(grid: Float, samples: Float) -> InverseCRF:
+    """The valid curve nearest to samples (3, K) on a grid (K,), at 4096 encoded values."""
+    encoded = np.linspace(0.0, 1.0, CURVE_SIZE)
+    return InverseCRF(encoded, strictly_increasing([np.interp(encoded, grid, s) for s in samples]))
 
 
 def strictly_increasing(samples: Float | list[Float]) -> Float:

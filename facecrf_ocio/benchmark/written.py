@@ -1,0 +1,50 @@
+"""The files that a bench of estimators leaves behind."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from facecrf_ocio.benchmark.tables import (
+    Row,
+    results_csv,
+    results_record,
+    rows_csv,
+    timing_markdown,
+)
+from facecrf_ocio.benchmark.workbench import Result
+from facecrf_ocio.export.atomic import Draft, write_files
+from facecrf_ocio.export.strict_json import dump
+
+
+def write_tables(
+    output: Path,
+    text: str,
+    run: Mapping[str, object],
+    rows: Sequence[Row],
+    results: Sequence[Result],
+) -> tuple[Path, ...]:
+    """Write `table.md`, `table.csv`, `cases.csv`, `results.json` and `timing.md`.
+
+    All of them but the last are the same for the same run, however often it was interrupted.
+
+    Parameters
+    ----------
+    output
+        Folder; earlier tables in it are replaced.
+    text
+        The table for people.
+    run
+        Everything needed to repeat the run.
+    rows, results
+        Statistics, and every case.
+    """
+    contents = {
+        "table.md": text.encode(),
+        "table.csv": rows_csv(rows),
+        "cases.csv": results_csv(results),
+        "results.json": dump(results_record(run, rows, results)),
+        "timing.md": timing_markdown(results).encode(),
+    }
+    drafts = [Draft(output / name, content, lambda _: None) for name, content in contents.items()]
+    return write_files(drafts, overwrite=True)
