@@ -1,20 +1,7 @@
 """The manifest of an archive: what is known of every photo, in SQLite, safe against any end.
 
-`DST/facecrf-manifest.sqlite`, in WAL mode, every transaction flushed to the disk. Tables:
-
-`photos`, one row a photo
-    `name` (key: path relative to the source, slashes; bytes that are not UTF-8 escaped), `size`
-    [bytes], `mtime_ns`, `sha256` (of the photo, empty if unreadable), `recipe` (hash of settings,
-    version and formats), `state` (`started`: perhaps half written; `done`), `outcome` (`values.
-    Outcome`, or `failed`), `verdict` (`values.Verdict` or empty), `estimator`, `reason`, `remedy`,
-    `make`, `model`, `serial`, `software` (as the file says), `read_s`, `estimate_s`, `write_s`.
-`outputs`, one row a written file
-    `name` (key: path relative to DST), `photo` (-> photos.name), `size` [bytes], `sha256`.
-`about`
-    `key`, `value`: `schema` (the number 1) and `source` (folder of the photos).
-
-All columns but the three durations are the same for an unbroken run and for one that was resumed
-(`mtime_ns` is the source's).
+`DST/facecrf-manifest.sqlite`, in WAL mode, every transaction flushed to the disk. `schema.py`
+describes its tables.
 """
 
 from __future__ import annotations
@@ -25,30 +12,18 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from facecrf_ocio.archive.schema import VERSION, bring_up
 from facecrf_ocio.archive.task import Output, Result
 from facecrf_ocio.errors import OutputError
 
 FILE = "facecrf-manifest.sqlite"
-SCHEMA = "1"
-STARTED, DONE = "started", "done"
-_TABLES = """
-CREATE TABLE IF NOT EXISTS about (key TEXT PRIMARY KEY, value TEXT NOT NULL);
-CREATE TABLE IF NOT EXISTS photos (
-    name TEXT PRIMARY KEY, size INTEGER NOT NULL, mtime_ns INTEGER NOT NULL,
-    sha256 TEXT NOT NULL DEFAULT '', recipe TEXT NOT NULL, state TEXT NOT NULL,
-    outcome TEXT NOT NULL DEFAULT '', verdict TEXT NOT NULL DEFAULT '',
-    estimator TEXT NOT NULL DEFAULT '', reason TEXT NOT NULL DEFAULT '',
-    remedy TEXT NOT NULL DEFAULT '', make TEXT NOT NULL DEFAULT '',
-    model TEXT NOT NULL DEFAULT '', serial TEXT NOT NULL DEFAULT '',
-    software TEXT NOT NULL DEFAULT '', read_s REAL NOT NULL DEFAULT 0,
-    estimate_s REAL NOT NULL DEFAULT 0, write_s REAL NOT NULL DEFAULT 0
-) WITHOUT ROWID;
-CREATE TABLE IF NOT EXISTS outputs (
-    name TEXT PRIMARY KEY, photo TEXT NOT NULL REFERENCES photos(name),
-    size INTEGER NOT NULL, sha256 TEXT NOT NULL
-) WITHOUT ROWID;
-CREATE INDEX IF NOT EXISTS outputs_of ON outputs (photo);
-"""
+STARTED, GATHERED, WRITING, DONE = "started", "gathered", "writing", "done"
+
+
+_COLUMNS = (
+    "name, size, mtime_ns, sha256, recipe, state, outcome, verdict, estimator, reason, remedy, "
+    "make, model, serial, software, read_s, estimate_s, write_s, curve"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,10 +54,9 @@ class Manifest:
             self._base = sqlite3.connect(self.path, isolation_level=None, timeout=30)
             self._base.execute("PRAGMA journal_mode=WAL")
             self._base.execute("PRAGMA synchronous=FULL")
-            self._base.executescript(_TABLES)
-            self._base.execute("INSERT OR IGNORE INTO about VALUES ('schema', ?)", (SCHEMA,))
-        if self.about("schema") != SCHEMA:
-            raise OutputError(f"{self.path}: is of another version; write to another folder")
+            version = bring_up(self._base)
+        if version > VERSION:
+            raise OutputError(f"{self.path}: was written by a newer facecrf; update facecrf-ocio")
 
     def close(self) -> None:
         """Close it; what was recorded stays."""
@@ -128,12 +102,14 @@ class Manifest:
     def finish(self, name: str, stamp: Stamp, result: Result) -> None:
         """Record what came of a photo."""
         self._base.execute(
-            f"INSERT OR REPLACE INTO photos VALUES ({', '.join('?' * 18)})",  # noqa: S608
+            f"INSERT OR REPLACE INTO photos ({_COLUMNS}) "  # noqa: S608
+            f"VALUES ({', '.join('?' * 19)})",
             (
                 *(name, stamp.size, stamp.mtime_ns, result.sha256, stamp.recipe, DONE),
                 *(result.outcome, result.verdict, result.estimator, result.reason, result.remedy),
                 *result.camera,
                 *(result.timing.read, result.timing.estimate, result.timing.write),
+                "own" if result.outputs else "",
             ),
         )
         self._base.execute("DELETE FROM outputs WHERE photo = ?", (name,))

@@ -1,0 +1,141 @@
+"""The tables of a manifest, and how older manifests are brought up to them.
+
+`photos`, one row a photo
+    `name` (key: path relative to the source, slashes; bytes that are not UTF-8 escaped), `size`
+    [bytes], `mtime_ns`, `sha256` (of the photo, empty if unreadable), `recipe` (hash of settings,
+    version and formats), `state` (`started`: perhaps half written; `gathered`: its evidence is
+    there, its outputs wait for its camera's curve; `writing`: these are perhaps half written;
+    `done`), `outcome` (`values.Outcome`, or `failed`), `verdict` (`values.Verdict` or empty),
+    `estimator`, `reason`, `remedy`, `make`, `model`, `serial`, `software` (as the file says),
+    `read_s`, `estimate_s`, `write_s`; `fingerprint` (of size and ends of the file, by which
+    duplicates are sought), `duplicate_of` (first photo, in the order of names, with the same bytes;
+    empty for itself), `curve` (whose curve was written: `own`, `camera`, `bracket`; empty without
+    outputs). Of a run with `--pool camera` also: `camera` (-> cameras.key, empty for a photo that
+    is not pooled), `misfit` (how far its evidence lies from the camera's curve, in standard
+    deviations; 0 without evidence), `curve_sha256` (of the camera's or bracket's curve that was
+    written), `bracket` (-> brackets.name), `taken` (EXIF time, [s] since 1970 in the camera's own
+    zone), `exposure_s`, `aperture` (f-number), `iso`; 0 where the file does not tell.
+`evidence`, one row a photo of such a run
+    `photo` (key), `evidence` (`PhotoEvidence.to_json`), `face` (JSON: x, y, width, height, score of
+    the face used; empty without), `samples` (8-bit RGB code values at the points of a regular grid,
+    see `samples.py`; by these brackets are recognized and solved).
+`cameras`, one row a group of photos whose curve is one
+    `key`, `make`, `model`, `serial`, `software`, `style` (picture settings that EXIF gives),
+    `recipe`, `members` (number of photos), `telling` (of them with evidence), `used` (of them in
+    the curve), `misfits` (of them farther from the curve than the limit), `basis` (hash of all the
+    curve depends on), `verdict`, `reason`, `curve` (JSON: `encoded`, and for each channel `linear`
+    and `sigma`; empty if no member tells anything), `curve_sha256` (of the exact curve).
+`brackets`, one row a series of exposures of one scene
+    `name` (key: its first photo), `camera`, `photos` (number), `stops` (from the shortest to the
+    longest exposure), `used` (1 if Debevec's curve is what its photos get), `reason` (why, or why
+    not), `halves` (RMSE between the curves of two halves of the points), `residual` (RMS of log
+    exposure), `covered` (share of code values that points lie near), `rmse` (against the camera's
+    curve after one free scale; -1 without one), `curve` (as above), `curve_sha256`.
+`outputs`, one row a written file
+    `name` (key: path relative to DST), `photo` (-> photos.name), `size` [bytes], `sha256`.
+`about`
+    `key`, `value`: `schema` and `source` (folder of the photos).
+
+All columns but the three durations are the same for an unbroken run and for one that was resumed
+(`mtime_ns` is the source's).
+"""
+
+from __future__ import annotations
+
+import sqlite3
+
+VERSION = 2
+
+_ABOUT = "CREATE TABLE IF NOT EXISTS about (key TEXT PRIMARY KEY, value TEXT NOT NULL)"
+_FIRST = (
+    """
+    CREATE TABLE photos (
+        name TEXT PRIMARY KEY, size INTEGER NOT NULL, mtime_ns INTEGER NOT NULL,
+        sha256 TEXT NOT NULL DEFAULT '', recipe TEXT NOT NULL, state TEXT NOT NULL,
+        outcome TEXT NOT NULL DEFAULT '', verdict TEXT NOT NULL DEFAULT '',
+        estimator TEXT NOT NULL DEFAULT '', reason TEXT NOT NULL DEFAULT '',
+        remedy TEXT NOT NULL DEFAULT '', make TEXT NOT NULL DEFAULT '',
+        model TEXT NOT NULL DEFAULT '', serial TEXT NOT NULL DEFAULT '',
+        software TEXT NOT NULL DEFAULT '', read_s REAL NOT NULL DEFAULT 0,
+        estimate_s REAL NOT NULL DEFAULT 0, write_s REAL NOT NULL DEFAULT 0
+    ) WITHOUT ROWID
+    """,
+    """
+    CREATE TABLE outputs (
+        name TEXT PRIMARY KEY, photo TEXT NOT NULL REFERENCES photos(name),
+        size INTEGER NOT NULL, sha256 TEXT NOT NULL
+    ) WITHOUT ROWID
+    """,
+    "CREATE INDEX outputs_of ON outputs (photo)",
+)
+_SECOND = (
+    "ALTER TABLE photos ADD COLUMN fingerprint TEXT NOT NULL DEFAULT ''",
+    "ALTER TABLE photos ADD COLUMN duplicate_of TEXT NOT NULL DEFAULT ''",
+    "ALTER TABLE photos ADD COLUMN curve TEXT NOT NULL DEFAULT ''",
+    "ALTER TABLE photos ADD COLUMN curve_sha256 TEXT NOT NULL DEFAULT ''",
+    "ALTER TABLE photos ADD COLUMN camera TEXT NOT NULL DEFAULT ''",
+    "ALTER TABLE photos ADD COLUMN misfit REAL NOT NULL DEFAULT 0",
+    "ALTER TABLE photos ADD COLUMN bracket TEXT NOT NULL DEFAULT ''",
+    "ALTER TABLE photos ADD COLUMN taken REAL NOT NULL DEFAULT 0",
+    "ALTER TABLE photos ADD COLUMN exposure_s REAL NOT NULL DEFAULT 0",
+    "ALTER TABLE photos ADD COLUMN aperture REAL NOT NULL DEFAULT 0",
+    "ALTER TABLE photos ADD COLUMN iso REAL NOT NULL DEFAULT 0",
+    """
+    UPDATE photos SET curve = 'own'
+    WHERE EXISTS (SELECT 1 FROM outputs WHERE outputs.photo = photos.name)
+    """,
+    "CREATE INDEX photos_alike ON photos (fingerprint, sha256, name) WHERE fingerprint != ''",
+    "CREATE INDEX photos_of_camera ON photos (camera, name) WHERE camera != ''",
+    "CREATE INDEX photos_not_done ON photos (state, name) WHERE state != 'done'",
+    """
+    CREATE TABLE evidence (
+        photo TEXT PRIMARY KEY REFERENCES photos(name), evidence TEXT NOT NULL,
+        face TEXT NOT NULL DEFAULT '', samples BLOB NOT NULL DEFAULT x''
+    )
+    """,
+    """
+    CREATE TABLE cameras (
+        key TEXT PRIMARY KEY, make TEXT NOT NULL, model TEXT NOT NULL, serial TEXT NOT NULL,
+        software TEXT NOT NULL, style TEXT NOT NULL, recipe TEXT NOT NULL,
+        members INTEGER NOT NULL, telling INTEGER NOT NULL, used INTEGER NOT NULL,
+        misfits INTEGER NOT NULL, basis TEXT NOT NULL, verdict TEXT NOT NULL,
+        reason TEXT NOT NULL, curve TEXT NOT NULL, curve_sha256 TEXT NOT NULL
+    ) WITHOUT ROWID
+    """,
+    """
+    CREATE TABLE brackets (
+        name TEXT PRIMARY KEY, camera TEXT NOT NULL REFERENCES cameras(key),
+        photos INTEGER NOT NULL, stops REAL NOT NULL, used INTEGER NOT NULL, reason TEXT NOT NULL,
+        halves REAL NOT NULL, residual REAL NOT NULL, covered REAL NOT NULL, rmse REAL NOT NULL,
+        curve TEXT NOT NULL, curve_sha256 TEXT NOT NULL
+    ) WITHOUT ROWID
+    """,
+)
+_STEPS = (_FIRST, _SECOND)
+
+
+def bring_up(base: sqlite3.Connection) -> int:
+    """Make the tables, or bring those of an older version up to this one, in one transaction.
+
+    Returns
+    -------
+    int
+        The version of the manifest afterward; above `VERSION` if a newer facecrf wrote it, which
+        is left as it is.
+    """
+    base.execute("BEGIN IMMEDIATE")
+    try:
+        base.execute(_ABOUT)
+        row = base.execute("SELECT value FROM about WHERE key = 'schema'").fetchone()
+        version = 0 if row is None else int(row[0])
+        for step in _STEPS[version:]:
+            for statement in step:
+                base.execute(statement)
+        if version < VERSION:
+            version = VERSION
+            base.execute("INSERT OR REPLACE INTO about VALUES ('schema', ?)", (str(version),))
+    except BaseException:
+        base.execute("ROLLBACK")
+        raise
+    base.execute("COMMIT")
+    return version
