@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from facecrf_ocio.together import Together
     from facecrf_ocio.values import Estimate
 
-FORMAT_NAMES = ("spi1d", "cube", "clf", "ctf", "csp", "icc")
+FORMAT_NAMES = ("spi1d", "cube", "clf", "ctf", "csp", "icc", "iridas.cube", "v4.icc")
 DEFAULT_FORMATS = "spi1d,cube,clf"
 SPACE_NAMES = ("acescg", "lin_rec709", "lin_p3d65", "aces2065-1")
 PLOT_SUFFIX = ".crf.png"

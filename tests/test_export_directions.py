@@ -1,4 +1,4 @@
-"""Encoding, working spaces and ICC profiles, read by OpenColorIO and littleCMS."""
+"""Encoding and working spaces, read by OpenColorIO."""
 
 from __future__ import annotations
 
@@ -8,12 +8,11 @@ import numpy as np
 import PyOpenColorIO as ocio  # noqa: N813
 import pytest
 from command_line import CommandLine, names_in, write_noise
-from PIL import Image, ImageCms
 
 from facecrf_ocio.errors import LutError, OutputError, SettingsError
 from facecrf_ocio.export import write_lut
 from facecrf_ocio.export.working_space import working_space_matrix
-from facecrf_ocio.profile import known_primaries, primaries_from_icc
+from facecrf_ocio.profile import known_primaries
 from facecrf_ocio.values import InverseCRF
 
 NODES = np.linspace(0.0, 1.0, 4096)
@@ -36,7 +35,11 @@ def gray(values: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize(
     ("suffix", "darkest"),
     # Half floats are spaced by 6e-8 below 6e-5; a uniform table has its second entry at 1.5e-5.
-    [("ctf", 0.0), ("clf", 1e-5), ("spi1d", 0.02), ("cube", 0.02), ("csp", 0.02)],
+    [
+        ("ctf", 0.0),
+        ("clf", 1e-5),
+        *((name, 0.02) for name in ("spi1d", "cube", "iridas.cube", "csp")),
+    ],
 )
 def test_encoding_is_the_inverse_of_the_curve(suffix: str, darkest: float, tmp_path: Path) -> None:
     path = write_lut(CURVE, tmp_path / f"a.{suffix}", direction="encode")
@@ -67,28 +70,12 @@ def test_there_and_back_is_where_it_was(suffix: str, tmp_path: Path) -> None:
     )
 
 
-def test_littlecms_reads_the_profile(tmp_path: Path) -> None:
-    path = write_lut(CURVE, tmp_path / "a.icc", primaries=P3)
-    found = primaries_from_icc(path.read_bytes())
-    assert found is not None
-    assert found.name == "Display P3"
-    ramp = Image.fromarray(np.repeat(np.arange(256, dtype=np.uint8), 3).reshape(16, 16, 3))
-    # Back to the same primaries with sRGB's curve, so that the curve alone is seen.
-    other = tmp_path / "srgb.icc"
-    srgb = np.where(NODES <= 0.04045, NODES / 12.92, ((NODES + 0.055) / 1.055) ** 2.4)
-    target = write_lut(InverseCRF(NODES, np.stack([srgb] * 3)), other, primaries=P3)
-    transform = ImageCms.buildTransform(str(path), str(target), "RGB", "RGB", 1)
-    got = np.asarray(ImageCms.applyTransform(ramp, transform)).reshape(-1, 3)
-    linear = CURVE.linearize(gray(np.arange(256) / 255.0))
-    expected = np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1 / 2.4) - 0.055)
-    assert np.abs(got[8:] - 255.0 * expected[8:]).max() <= 1.0
-
-
 def test_what_a_format_cannot_hold_is_refused(tmp_path: Path) -> None:
     with pytest.raises(LutError, match=r"a\.cube: .cube cannot hold the matrix to acescg; use clf"):
         write_lut(CURVE, tmp_path / "a.cube", space="acescg")
-    with pytest.raises(LutError, match="ICC input profile goes from code values"):
-        write_lut(CURVE, tmp_path / "a.icc", direction="encode")
+    for name in ("a.icc", "a.v4.icc"):
+        with pytest.raises(LutError, match="ICC input profile goes from code values"):
+            write_lut(CURVE, tmp_path / name, direction="encode")
     with pytest.raises(SettingsError, match="no direction 'sideways'"):
         write_lut(CURVE, tmp_path / "a.clf", direction="sideways")
     with pytest.raises(SettingsError, match="no working space 'xyz'"):
@@ -96,7 +83,7 @@ def test_what_a_format_cannot_hold_is_refused(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("suffix", ["ctf", "csp", "icc"])
+@pytest.mark.parametrize("suffix", ["ctf", "csp", "icc", "iridas.cube", "v4.icc"])
 def test_an_existing_file_stays(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"a.{suffix}"
     path.write_bytes(b"former")
@@ -116,3 +103,17 @@ def test_the_command_writes_both_directions(
     names = {f"a.acescg.{d}{s}" for d in ("", "encode.") for s in ("clf", "ctf")}
     assert names_in(out) == {*names, "a.crf.json"}
     assert run("calibrate", photo, "-o", out, "--formats", "cube", "--to", "acescg").code == 2
+
+
+def test_the_two_styles_of_cube_stand_side_by_side(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    photo, out = write_noise(tmp_path / "a.iridas.png"), tmp_path / "out"
+    run = CommandLine(capfd)
+    options = ("--estimator", "srgb", "--formats", "cube,iridas.cube,icc,v4.icc")
+    assert run("calibrate", photo, "-o", out, *options, "--direction", "both").code == 0
+    both = {"cube", "iridas.cube", "encode.cube", "encode.iridas.cube", "icc", "v4.icc"}
+    assert names_in(out) == {f"a.iridas.{ending}" for ending in (*both, "crf.json")}
+    # The photo's own name ends as the other style's files do, and must not choose the style.
+    assert "LUT_1D_INPUT_RANGE" in (out / "a.iridas.cube").read_text()
+    assert "DOMAIN_MAX" in (out / "a.iridas.iridas.cube").read_text()

@@ -25,7 +25,9 @@ HOSTILE_TEXT = (
     "a -- b --> ]]> <x> & \"q\" 'é 日本 🙂'\nFrom 1 0\n}\n\x00\x0b\x1b\u2028\ufffe\udcff" * 40
 )
 
-every_format = pytest.mark.parametrize("suffix", ["spi1d", "cube", "clf", "ctf", "csp"])
+every_format = pytest.mark.parametrize(
+    "suffix", ["spi1d", "cube", "iridas.cube", "clf", "ctf", "csp"]
+)
 
 
 def curve_of(*channels: npt.NDArray[np.float64], encoded: npt.ArrayLike = NODES) -> InverseCRF:
@@ -68,6 +70,17 @@ def read_cube(path: Path) -> npt.NDArray[np.float32]:
     return numbers(lines[2:])
 
 
+def read_iridas_cube(path: Path) -> npt.NDArray[np.float32]:
+    """By Adobe's Cube LUT Specification 1.0: keywords in any order, then the table."""
+    content = path.read_bytes()
+    assert all(len(line) <= 250 for line in content.splitlines(keepends=True))
+    lines = [line for line in content.decode("ascii").splitlines() if not line.startswith("#")]
+    assert lines[0].startswith('TITLE "')
+    assert lines[0].endswith('"')
+    assert lines[1:4] == ["DOMAIN_MIN 0 0 0", "DOMAIN_MAX 1 1 1", "LUT_1D_SIZE 4096"]
+    return numbers(lines[4:])
+
+
 def read_clf(path: Path) -> npt.NDArray[np.float32]:
     return read_xml(path, "compCLFversion", "3")
 
@@ -98,6 +111,7 @@ def read_xml(path: Path, key: str, version: str) -> npt.NDArray[np.float32]:
 READERS = {
     "spi1d": read_spi1d,
     "cube": read_cube,
+    "iridas.cube": read_iridas_cube,
     "clf": read_clf,
     "ctf": read_ctf,
     "csp": read_csp,
@@ -338,7 +352,7 @@ def test_a_file_that_does_not_read_back_never_appears(
     damaged = DAMAGE[damage](whole)
     assert damaged != whole
     monkeypatch.setattr(lut, "FORMATS", {suffix: lambda *_: damaged})
-    with pytest.raises(LutError, match=r"a\.\w+: OpenColorIO .*read") as caught:
+    with pytest.raises(LutError, match=r"a\.[\w.]+: OpenColorIO .*read") as caught:
         write_lut(curve, tmp_path / f"a.{suffix}")
     assert "\n" not in str(caught.value)
     assert not list(tmp_path.iterdir())

@@ -57,7 +57,7 @@ def test_clipped_ends_are_found(tmp_path: Path) -> None:
 @pytest.mark.parametrize("direction", ["linearize", "encode"])
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_what_we_write_is_clean(suffix: str, direction: str, tmp_path: Path) -> None:
-    if (suffix, direction) == ("icc", "encode"):
+    if suffix.endswith("icc") and direction == "encode":
         pytest.skip("an ICC input profile has one direction")
     path = write_lut(CURVE, tmp_path / f"a.{suffix}", direction=direction)
     assert lint(path) == ()

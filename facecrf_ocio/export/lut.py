@@ -1,4 +1,4 @@
-"""One curve to one LUT file, in the format its suffix names."""
+"""One curve to one LUT file, in the format its ending names."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from facecrf_ocio.export.clf import clf_text, ctf_text
 from facecrf_ocio.export.csp import csp_text
 from facecrf_ocio.export.cube import cube_text
 from facecrf_ocio.export.icc import icc_bytes
+from facecrf_ocio.export.icc_v4 import icc_v4_bytes
+from facecrf_ocio.export.iridas_cube import iridas_cube_text
 from facecrf_ocio.export.recipe import Recipe
 from facecrf_ocio.export.spi1d import spi1d_text
 from facecrf_ocio.export.verify import verify_recipe
@@ -18,6 +20,7 @@ from facecrf_ocio.export.working_space import WORKING_SPACES
 from facecrf_ocio.values import InverseCRF, Primaries
 
 Writer = Callable[[Recipe, Sequence[str]], str | bytes]
+# By the ending of their files' names; the last part is the suffix that readers go by.
 FORMATS: Mapping[str, Writer] = {
     "spi1d": spi1d_text,
     "cube": cube_text,
@@ -25,8 +28,11 @@ FORMATS: Mapping[str, Writer] = {
     "ctf": ctf_text,
     "csp": csp_text,
     "icc": icc_bytes,
+    "iridas.cube": iridas_cube_text,
+    "v4.icc": icc_v4_bytes,
 }
 _WITH_MATRIX = ("clf", "ctf")
+_ONE_WAY = ("icc", "v4.icc")
 
 
 def write_lut(
@@ -49,7 +55,7 @@ def write_lut(
     curve
         Encoded to linear, R, G, B.
     path
-        The file; its suffix, one of `FORMATS`, chooses the format.
+        The file; its ending, the longest of `FORMATS` that fits, chooses the format.
     overwrite
         Whether an existing file may be replaced.
     provenance
@@ -71,19 +77,19 @@ def write_lut(
     OutputError
         If the file exists and `overwrite` is false, or it cannot be written.
     LutError
-        If the suffix is unknown, the format cannot hold what is asked for, or the file does not
+        If the ending is unknown, the format cannot hold what is asked for, or the file does not
         read back as written. Nothing is left behind.
     SettingsError
         If the direction or the working space is unknown.
     """
     recipe = Recipe(curve, direction, space, primaries)
-    draft = lut_draft(recipe, Path(path), provenance or {})
+    path = Path(path)
+    draft = lut_draft(recipe, path, provenance or {}, _format_of(path))
     return write_files([draft], overwrite=overwrite)[0]
 
 
-def lut_draft(recipe: Recipe, path: Path, provenance: Mapping[str, str]) -> Draft:
-    """Return the LUT file to be written, which checks itself through OpenColorIO."""
-    name = path.suffix.lower().removeprefix(".")
+def lut_draft(recipe: Recipe, path: Path, provenance: Mapping[str, str], name: str) -> Draft:
+    """Return the LUT file of a format to be written, which checks itself through OpenColorIO."""
     write = require_format(name, path)
     _require_able(name, recipe.direction, recipe.space, f"{path}: ")
     content = write(recipe, [f"{key}: {value}" for key, value in provenance.items()])
@@ -97,6 +103,12 @@ def require_format(name: str, path: Path | None = None) -> Writer:
         where = "" if path is None else f"{path}: "
         raise LutError(f"{where}unknown LUT format {name!r}; use one of {', '.join(FORMATS)}")
     return FORMATS[name]
+
+
+def _format_of(path: Path) -> str:
+    parts = [suffix.removeprefix(".") for suffix in Path(path.name.lower()).suffixes[-2:]]
+    longest = ".".join(parts)
+    return longest if longest in FORMATS else longest.rpartition(".")[2]
 
 
 def split_ending(ending: str) -> tuple[str, str, str]:
@@ -113,6 +125,8 @@ def split_ending(ending: str) -> tuple[str, str, str]:
         If a part is unknown, or the format cannot hold what is asked for.
     """
     *steps, name = ending.split(".")
+    if steps and f"{steps[-1]}.{name}" in FORMATS:
+        name = f"{steps.pop()}.{name}"
     require_format(name)
     space = steps.pop(0) if steps and steps[0] in WORKING_SPACES else ""
     direction = steps.pop(0) if steps and steps[0] == "encode" else "linearize"
@@ -136,7 +150,7 @@ def endings(formats: Sequence[str], direction: str, space: str) -> tuple[str, ..
     for name in formats:
         if both or direction == "linearize":
             wanted.append(f"{start}{name}")
-        if direction == "encode" or (both and name != "icc"):
+        if direction == "encode" or (both and name not in _ONE_WAY):
             wanted.append(f"{start}encode.{name}")
     for ending in wanted:
         split_ending(ending)
@@ -148,7 +162,7 @@ def _require_able(name: str, direction: str, space: str, where: str) -> None:
         raise LutError(
             f"{where}.{name} cannot hold the matrix to {space}; use {' or '.join(_WITH_MATRIX)}"
         )
-    if name == "icc" and direction == "encode":
+    if name in _ONE_WAY and direction == "encode":
         raise LutError(
             f"{where}an ICC input profile goes from code values to color only; use another format "
             "to encode"

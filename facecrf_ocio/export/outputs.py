@@ -131,9 +131,9 @@ def _require_same_source(sidecar: Path, source: Path) -> None:
 
 
 def _lut_draft(ending: str, path: Path, photo: Photo, estimate: Estimate) -> Draft:
-    space, direction, _ = split_ending(ending)
+    space, direction, name = split_ending(ending)
     recipe = Recipe(estimate.curve, direction, space, photo.primaries)
-    return lut_draft(recipe, path, _provenance(photo, estimate))
+    return lut_draft(recipe, path, _provenance(photo, estimate), name)
 
 
 def _provenance(photo: Photo, estimate: Estimate) -> Mapping[str, str]:
