@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from facecrf_ocio.cli_options import PHOTO_PATH, TEXT_PATH, Choices, estimation_options
+from facecrf_ocio.cli_options import (
+    PHOTO_PATH,
+    TEXT_PATH,
+    Choices,
+    direction_options,
+    estimation_options,
+)
 from facecrf_ocio.cli_terminal import (
     DONE,
     FAILED,
@@ -33,7 +39,6 @@ if TYPE_CHECKING:
 
 FORMAT_NAMES = ("spi1d", "cube", "clf", "ctf", "csp", "icc", "iridas.cube", "v4.icc")
 DEFAULT_FORMATS = "spi1d,cube,clf"
-SPACE_NAMES = ("acescg", "lin_rec709", "lin_p3d65", "aces2065-1")
 PLOT_SUFFIX = ".crf.png"
 """Not `.png`, which next to a PNG photo would be the photo itself."""
 
@@ -130,19 +135,7 @@ def _estimate_together(photos: tuple[Path, ...], choices: Choices) -> Together:
     callback=split_formats,
     help=f"LUT formats, by commas, of {', '.join(FORMAT_NAMES)}.",
 )
-@click.option(
-    "--direction",
-    type=click.Choice(("linearize", "encode", "both")),
-    default="linearize",
-    show_default=True,
-    help="From code values to linear light, back (NAME.encode.clf), or a file for each.",
-)
-@click.option(
-    "--to",
-    "space",
-    type=click.Choice(SPACE_NAMES),
-    help="Go on to a working space by the photo's primaries; clf and ctf only (NAME.acescg.clf).",
-)
+@direction_options
 @click.option(
     "--plot", is_flag=True, help=f"Also write NAME{PLOT_SUFFIX}: curves, skin mask, pigment map."
 )

@@ -20,6 +20,8 @@ COMPRESSIONS = (
     *("pxr24", "b44", "b44a", "dwaa", "dwab"),
 )
 
+SPACE_NAMES = ("acescg", "lin_rec709", "lin_p3d65", "aces2065-1")
+
 
 class TextPath(click.Path):
     """A path that is UTF-8 text, which is all that OpenColorIO and OpenImageIO take."""
@@ -124,6 +126,31 @@ class Choices:
         photos = (read_photo(path) for path in paths)
         together = calibrate_together(photos, prior=self.prior, settings=self.settings)
         return replace(together, estimate=demand(together.estimate, self.min_confidence))
+
+
+def direction_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options that say which way a LUT goes, and how far: `direction`, `space`."""
+    options = (
+        click.option(
+            "--direction",
+            type=click.Choice(("linearize", "encode", "both")),
+            default="linearize",
+            show_default=True,
+            help="From code values to linear light, back (NAME.encode.clf), or a file for each.",
+        ),
+        click.option(
+            "--to",
+            "space",
+            type=click.Choice(SPACE_NAMES),
+            help=(
+                "Go on to a working space by the photo's primaries; clf and ctf only "
+                "(NAME.acescg.clf)."
+            ),
+        ),
+    )
+    for option in reversed(options):
+        command = option(command)
+    return command
 
 
 def exr_options(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
 from facecrf_ocio.cli_calibrate import DEFAULT_FORMATS, PLOT_SUFFIX, split_formats
-from facecrf_ocio.cli_options import PHOTO_PATH, TEXT_PATH
-from facecrf_ocio.cli_terminal import ending_well, require_writable, status, tell
+from facecrf_ocio.cli_options import PHOTO_PATH, TEXT_PATH, direction_options
+from facecrf_ocio.cli_terminal import USAGE, complain, ending_well, require_writable, status, tell
+from facecrf_ocio.errors import LutError
 
 
 @click.command()
@@ -24,6 +26,7 @@ from facecrf_ocio.cli_terminal import ending_well, require_writable, status, tel
     callback=split_formats,
     help="LUT formats, by commas.",
 )
+@direction_options
 @click.option("--plot", is_flag=True, help=f"Also write NAME{PLOT_SUFFIX}: the curves.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option("--overwrite", is_flag=True, help="Replace existing outputs.")
@@ -36,6 +39,7 @@ def pair(
     plot: bool,
     as_json: bool,
     overwrite: bool,
+    **way: Any,
 ) -> int:
     """Fit the response of a camera to RAW and the JPEG it made of the same exposure.
 
@@ -46,9 +50,14 @@ def pair(
     from facecrf_ocio import read_photo
     from facecrf_ocio.export import require_outputs_free, write_outputs
     from facecrf_ocio.export.atomic import require_free
+    from facecrf_ocio.export.lut import endings
     from facecrf_ocio.pair.calibrate_pair import calibrate_pair
     from facecrf_ocio.settings import Settings
 
+    try:
+        formats = endings(formats, way["direction"], way["space"] or "")
+    except LutError as error:
+        return complain(str(error), USAGE)
     require_writable(output)
     picture = output / f"{encoded.stem}{PLOT_SUFFIX}"
     require_outputs_free(encoded, output, formats, overwrite=overwrite)

@@ -11,9 +11,11 @@ from click.testing import CliRunner
 from photo_files import write_dng
 from PIL import Image
 
+from facecrf_ocio.apply import apply_lut
 from facecrf_ocio.cli import main
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.export.sidecar import read_sidecar
+from facecrf_ocio.export.working_space import working_space_matrix
 from facecrf_ocio.pair.align import align
 from facecrf_ocio.pair.calibrate_pair import calibrate_pair
 from facecrf_ocio.pair.extrapolate import continued
@@ -190,6 +192,24 @@ def test_command_writes_what_calibrate_writes(pair_files, tmp_path):
     assert record.source.name == "photo.jpg"
     assert errors(record.curve).max() < 0.02
     assert run(*pair_files, "-o", tmp_path / "out").exit_code == 1  # nothing is overwritten
+
+
+def test_command_writes_the_way_back_and_on_to_a_working_space(pair_files, tmp_path):
+    out = tmp_path / "out"
+    options = ("--formats", "clf", "--direction", "both", "--to", "acescg")
+    result = run(*pair_files, "-o", out, *options)
+    assert result.exit_code == 0, result.output
+    there, back = out / "photo.acescg.clf", out / "photo.acescg.encode.clf"
+    assert {p.name for p in out.iterdir()} == {there.name, back.name, "photo.crf.json"}
+    photo = replace(read_photo(pair_files[1]), bit_depth=None)
+    linear = apply_lut(photo, there)
+    curve = read_sidecar(out / "photo.crf.json").curve
+    wanted = curve.linearize(photo.encoded) @ working_space_matrix(photo.primaries, "acescg").T
+    assert np.abs(linear - wanted).max() < 1e-5
+    assert np.abs(apply_lut(replace(photo, encoded=linear), back) - photo.encoded).max() < 1e-3
+    refused = run(*pair_files, "-o", out, "--formats", "cube", "--to", "acescg")
+    assert refused.exit_code == 2
+    assert ".cube cannot hold the matrix to acescg; use clf or ctf" in refused.stderr
 
 
 def test_command_refuses_another_picture_in_one_line(pair_files, tmp_path):
