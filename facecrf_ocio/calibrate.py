@@ -18,7 +18,7 @@ from facecrf_ocio.cues.registry import CUES
 from facecrf_ocio.energy.empirical import Empirical
 from facecrf_ocio.energy.monotonicity import Monotonicity
 from facecrf_ocio.errors import SettingsError
-from facecrf_ocio.joint import JointModel, conclude, gather, shipped_joint
+from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude, gather, shipped_joint
 from facecrf_ocio.response.fixed import FIXED_CURVES, fixed_curve
 from facecrf_ocio.response.model import (
     CURVE_SIZE,
@@ -30,6 +30,8 @@ from facecrf_ocio.settings import ESTIMATOR_NAMES, FALLBACKS, PRIORS, Settings
 from facecrf_ocio.solve import Weighted, solve
 from facecrf_ocio.values import Confidence, Estimate, InverseCRF, Outcome, Photo, Verdict
 
+SAME_CURVE = "the camera applied the same curve to all channels"
+
 
 def calibrate(
     photo: Photo,
@@ -39,6 +41,7 @@ def calibrate(
     prior: str = "auto",
     settings: Settings | None = None,
     model: ResponseModel | JointModel | None = None,
+    evidence: PhotoEvidence | None = None,
 ) -> Estimate:
     """Estimate the inverse camera response of one photo.
 
@@ -60,6 +63,8 @@ def calibrate(
         Weights and thresholds; the defaults are documented in `Settings`.
     model
         Response model and prior; those that ship by default. A `JointModel` is for `joint`.
+    evidence
+        What `gather` said of this photo before; for `joint`, which then does not ask again.
 
     Returns
     -------
@@ -86,7 +91,9 @@ def calibrate(
     if estimator in FIXED_CURVES:
         return _fixed_curve(estimator, photo, model)
     if estimator in ("auto", "joint"):
-        estimate = _joint(photo, estimator, prior, settings, joint)
+        joint = joint or shipped_joint()
+        evidence = evidence or gather(photo, settings, joint.networks)
+        estimate = _joint(photo, estimator, prior, evidence, joint)
     else:
         answer = CUES[estimator](photo, model, settings)
         estimate = _conclude(estimator, answer, photo, model, settings)
@@ -96,18 +103,13 @@ def calibrate(
 
 
 def _joint(
-    photo: Photo, estimator: str, prior: str, settings: Settings, model: JointModel | None
+    photo: Photo, estimator: str, prior: str, evidence: PhotoEvidence, model: JointModel
 ) -> Estimate:
     """Every cue of the photo against the prior."""
-    model = model or shipped_joint()
-    evidence = gather(photo, settings, model.networks)
     if not evidence.messages and estimator == "auto":
         return Estimate(Outcome.NOT_CALIBRATED, "joint", evidence.lacking, evidence.remedy)
     estimate = conclude([evidence], prior, model)
-    return replace(
-        estimate,
-        assumptions=(*_assumptions(photo), "the camera applied the same curve to all channels"),
-    )
+    return replace(estimate, assumptions=(*assumptions_of(photo), SAME_CURVE))
 
 
 def _conclude(
@@ -123,7 +125,7 @@ def _conclude(
             answer.summary,
             found=model.inverse_crf(answer.samples),
             confidence=fitted_confidence(name, answer.encoded, model),
-            assumptions=_assumptions(photo),
+            assumptions=assumptions_of(photo),
         )
     objective = (
         Weighted("empirical", 1.0, Empirical(model)),
@@ -140,7 +142,7 @@ def _conclude(
         coefficients=solution.coefficients,
         energy=dict(solution.energy),
         faces=answer.faces,
-        assumptions=_assumptions(photo),
+        assumptions=assumptions_of(photo),
     )
 
 
@@ -157,7 +159,7 @@ def _already_linear(photo: Photo) -> Estimate:
             Verdict.RELIABLE,
             ("linear by the file's format: nothing was estimated",),
         ),
-        assumptions=_assumptions(photo),
+        assumptions=assumptions_of(photo),
     )
 
 
@@ -171,7 +173,7 @@ def _fixed_curve(name: str, photo: Photo, model: ResponseModel) -> Estimate:
         "use a photo with a face to estimate its own curve",
         found=InverseCRF(encoded, curve),
         confidence=prior_confidence(model, "the curve does not depend on the photo"),
-        assumptions=_assumptions(photo),
+        assumptions=assumptions_of(photo),
     )
 
 
@@ -180,7 +182,7 @@ def _fall_back(estimate: Estimate, name: str, photo: Photo, model: ResponseModel
     return replace(fixed, reason=f"{estimate.reason}: fell back to the {name} curve")
 
 
-def _assumptions(photo: Photo) -> tuple[str, ...]:
+def assumptions_of(photo: Photo) -> tuple[str, ...]:
     """What a curve cannot tell, and what stands in for it."""
     if photo.primaries is None:
         primaries = "primaries are not known and taken as Rec.709 with a D65 white"

@@ -30,9 +30,10 @@ def frozen(array: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArr
 
 
 class Outcome(str, Enum):
-    """What came of a calibration."""
+    """What came of a calibration; `from its camera`: without evidence, but others' curve fits."""
 
     CALIBRATED = "calibrated"
+    FROM_CAMERA = "from its camera"
     ALREADY_LINEAR = "already linear"
     FALLBACK = "fallback"
     NOT_CALIBRATED = "not calibrated"

@@ -8,6 +8,9 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path, PurePosixPath
 
 from facecrf_ocio.settings import VERDICTS, Settings
+from facecrf_ocio.values import Estimate
+
+WHOLE, GATHER, WRITE = "whole", "gather", "write"
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +27,8 @@ class Recipe:
         LUT formats to write.
     exr
         Write a scene-linear OpenEXR too.
+    pool
+        One curve for all photos of a camera, estimator `auto` or `joint`.
     """
 
     estimator: str = "auto"
@@ -33,11 +38,52 @@ class Recipe:
     settings: Settings = field(default_factory=Settings)
     formats: tuple[str, ...] = ("spi1d", "cube", "clf")
     exr: bool = False
+    pool: bool = False
 
     def sha256(self, version: str) -> str:
         """Hash of everything a result depends on besides the photo, `version` included."""
         text = json.dumps({"recipe": asdict(self), "version": version}, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
+
+
+@dataclass(frozen=True, slots=True)
+class Shot:
+    """What EXIF tells of one exposure.
+
+    Attributes
+    ----------
+    style
+        Picture settings that change the response, as `name=value`; empty if none is told.
+    taken
+        [s] Since 1970 in the camera's own time zone.
+    exposure_s, aperture, iso
+        Exposure time [s], f-number, sensitivity. Everything not told is 0.
+    """
+
+    style: str = ""
+    taken: float = 0.0
+    exposure_s: float = 0.0
+    aperture: float = 0.0
+    iso: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Gathered:
+    """What a photo says of its camera's curve.
+
+    Attributes
+    ----------
+    evidence
+        `PhotoEvidence.to_json`.
+    face
+        JSON: x, y, width, height [px] and score of the face it comes from; empty without one.
+    samples
+        See `samples.py`.
+    """
+
+    evidence: str
+    face: str = ""
+    samples: bytes = b""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +102,15 @@ class Task:
         How to treat it.
     overwrite
         Whether outputs that exist may be replaced.
+    step
+        `whole`: read, calibrate, write. `gather`: read, and give back the evidence of a photo that
+        can be pooled; do the whole with any other. `write`: read, and write with the curve below.
+    sha256
+        Of the photo that the curve is for; another one is a failure. Empty if it does not matter.
+    estimate
+        To be written; without assumptions it gets those of the photo.
+    gathered
+        What the photo said before; the curve to be written is then estimated from it.
     """
 
     source: Path
@@ -63,6 +118,10 @@ class Task:
     folder: Path
     recipe: Recipe
     overwrite: bool = False
+    step: str = WHOLE
+    sha256: str = ""
+    estimate: Estimate | None = None
+    gathered: Gathered | None = None
 
     @property
     def planned(self) -> tuple[str, ...]:
@@ -114,6 +173,10 @@ class Result:
         What was written.
     timing
         What it took.
+    shot
+        What EXIF tells of the exposure, if evidence was gathered.
+    gathered
+        What the photo says, if nothing was written yet; `outcome` is empty then.
     stop
         Why the run cannot go on (a full disk), else empty; such a photo is not done.
     """
@@ -127,6 +190,8 @@ class Result:
     camera: tuple[str, str, str, str] = ("", "", "", "")
     outputs: tuple[Output, ...] = ()
     timing: Timing = Timing()
+    shot: Shot = Shot()
+    gathered: Gathered | None = None
     stop: str = ""
 
 

@@ -1,23 +1,33 @@
-"""The work on one photo: read, estimate, write. `process` is the entry point of every scheduler."""
+"""The work on one photo: read, estimate, write. `process` is the entry point of every scheduler.
+
+Where photos of a camera share a curve, the work is done in two steps: one gathers what the photo
+says, the other writes the curve that all of them gave.
+"""
 
 from __future__ import annotations
 
 import errno
 import hashlib
+import json
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
 import cv2
+import numpy as np
 
-from facecrf_ocio.archive.task import FAILED, Output, Result, Task, Timing
-from facecrf_ocio.calibrate import calibrate
+from facecrf_ocio.archive.folders import make_folder
+from facecrf_ocio.archive.samples import take_samples
+from facecrf_ocio.archive.shot import read_shot
+from facecrf_ocio.archive.task import FAILED, GATHER, Gathered, Output, Result, Task, Timing
+from facecrf_ocio.calibrate import SAME_CURVE, assumptions_of, calibrate
 from facecrf_ocio.confidence import demand
-from facecrf_ocio.errors import FaceCRFError, OutputError
+from facecrf_ocio.errors import FaceCRFError, OutputError, PhotoError
 from facecrf_ocio.export import write_outputs
+from facecrf_ocio.joint import PhotoEvidence, gather
 from facecrf_ocio.linearize import write_linear
 from facecrf_ocio.read import read_photo
-from facecrf_ocio.values import Estimate, Photo
+from facecrf_ocio.values import Estimate, Face, Photo
 
 # What is wrong with the disk, and not with the photo: every other photo would fail alike.
 _DISK = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
@@ -41,8 +51,13 @@ def process(task: Task) -> Result:
         return _failure(error)
     read = perf_counter()
     try:
+        if task.sha256 not in ("", photo.sha256):
+            raise PhotoError(photo.path, "was changed while the run went on", "start again")
+        if task.step == GATHER and _is_poolable(photo):
+            result = _gather(task, photo)
+            return replace(result, timing=Timing(read - start, perf_counter() - read))
         result, estimate = _estimate(task, photo)
-        done = perf_counter()
+        done = perf_counter() if task.estimate is None else read
         names = () if estimate.found is None else _write(task, photo, estimate)
         outputs = tuple(_described(task.folder, path) for path in names)
     except (FaceCRFError, MemoryError, OSError) as error:
@@ -54,16 +69,26 @@ def process(task: Task) -> Result:
     return replace(result, outputs=outputs, timing=timing)
 
 
-def _estimate(task: Task, photo: Photo) -> tuple[Result, Estimate]:
-    recipe, camera = task.recipe, photo.camera
-    estimate = calibrate(
-        photo,
-        estimator=recipe.estimator,
-        fallback=recipe.fallback,
-        prior=recipe.prior,
-        settings=recipe.settings,
+def _is_poolable(photo: Photo) -> bool:
+    """Whether a photo has a curve, and a camera to share it with."""
+    return not photo.scene_linear and bool(photo.camera.make or photo.camera.model)
+
+
+def _gather(task: Task, photo: Photo) -> Result:
+    evidence = gather(photo, task.recipe.settings)
+    face = evidence.face
+    told = "" if face is None else json.dumps([*face.box_xy.tolist(), face.score])
+    return Result(
+        "",
+        sha256=photo.sha256 or "",
+        camera=_camera(photo),
+        shot=read_shot(task.source),
+        gathered=Gathered(evidence.to_json(), told, take_samples(photo.encoded)),
     )
-    estimate = demand(estimate, recipe.min_confidence)
+
+
+def _estimate(task: Task, photo: Photo) -> tuple[Result, Estimate]:
+    estimate = demand(_found(task, photo), task.recipe.min_confidence)
     result = Result(
         str(estimate.outcome),
         "" if estimate.confidence is None else str(estimate.confidence.verdict),
@@ -71,13 +96,44 @@ def _estimate(task: Task, photo: Photo) -> tuple[Result, Estimate]:
         estimate.reason,
         estimate.remedy,
         photo.sha256 or "",
-        (camera.make, camera.model, camera.serial, camera.software),
+        _camera(photo),
     )
     return result, estimate
 
 
+def _found(task: Task, photo: Photo) -> Estimate:
+    if task.estimate is None:
+        recipe = task.recipe
+        return calibrate(
+            photo,
+            estimator=recipe.estimator,
+            fallback=recipe.fallback,
+            prior=recipe.prior,
+            settings=recipe.settings,
+            evidence=None if task.gathered is None else told_before(task.gathered),
+        )
+    if task.estimate.assumptions:
+        return task.estimate
+    return replace(task.estimate, assumptions=(*assumptions_of(photo), SAME_CURVE))
+
+
+def told_before(gathered: Gathered) -> PhotoEvidence:
+    """The evidence that a photo gave before, with its face, but without the face's landmarks."""
+    evidence = PhotoEvidence.from_json(gathered.evidence)
+    if not gathered.face:
+        return evidence
+    *box, score = json.loads(gathered.face)
+    return replace(evidence, face=Face(np.array(box), np.empty((0, 3)), score))
+
+
+def _camera(photo: Photo) -> tuple[str, str, str, str]:
+    camera = photo.camera
+    return camera.make, camera.model, camera.serial, camera.software
+
+
 def _write(task: Task, photo: Photo, estimate: Estimate) -> tuple[Path, ...]:
     recipe, name = task.recipe, Path(task.name).name
+    make_folder(task.target)
     written = write_outputs(
         photo,
         estimate,
