@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import os
 import re
-import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -12,19 +12,21 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813
-import PyOpenColorIO as ocio  # noqa: N813
 
-from facecrf_ocio.errors import LutError, OutputError, SettingsError
+from facecrf_ocio.errors import OutputError, SettingsError
 from facecrf_ocio.export.atomic import Draft, require_free, write_files
-from facecrf_ocio.pixels import code_grid
+from facecrf_ocio.lookup import HALF_MAX, Lookup, curve_lookup
+from facecrf_ocio.lut_file import lut_lookup
 from facecrf_ocio.profile import known_primaries
 from facecrf_ocio.read import open_image
 from facecrf_ocio.values import InverseCRF, Photo, Primaries
 
 Float32 = npt.NDArray[np.float32]
+Pixels = npt.NDArray[Any]
+Rows = Callable[[int, int], Pixels]
 
-HALF_MAX = 65504.0
 _LARGEST_TABLE = 16  # [bit]
+_BAND = 256  # [row] a multiple of what OpenEXR compresses as one block
 
 # Color Interop Forum, recommendation 03; other primaries have no identifier.
 _INTEROP_ID = {
@@ -61,7 +63,7 @@ def linearize_photo(photo: Photo, curve: InverseCRF) -> Float32:
     numpy.ndarray
         (H, W, 3), equal to `curve.linearize(photo.encoded)`.
     """
-    return photo.encoded if photo.scene_linear else _map_codes(photo, curve.linearize)
+    return photo.encoded if photo.scene_linear else _whole(photo, curve_lookup(curve))
 
 
 def apply_lut(photo: Photo, lut: str | Path) -> Float32:
@@ -84,25 +86,41 @@ def apply_lut(photo: Photo, lut: str | Path) -> Float32:
     LutError
         If the file is missing, is not a LUT, or gives NaN or infinities.
     """
-    lut = Path(lut)
-    processor = lut_processor(lut)
-    cpu = processor.getOptimizedCPUProcessor(ocio.OptimizationFlags.OPTIMIZATION_LOSSLESS)
+    return _whole(photo, lut_lookup(lut))
 
-    def transform(values: Float32) -> Float32:
-        result = np.array(values, np.float32, order="C")
-        cpu.applyRGB(result)
-        return result
 
-    separable = not processor.hasChannelCrosstalk()
-    result = _map_codes(photo, transform) if separable else transform(photo.encoded)
-    if not np.isfinite(result.sum(dtype=np.float64)):
-        raise LutError(f"{lut}: gives NaN or infinite values; make the LUT again")
-    return result
+def linear_rows(photo: Photo, lookup: Lookup, *, half: bool = True) -> Rows:
+    """What a transform makes of a photo, a band of rows at a time, for `write_exr`.
+
+    Parameters
+    ----------
+    photo
+        The photo.
+    lookup
+        By `lookup.curve_lookup` or `lut_file.lut_lookup`.
+    half
+        Whether float16 will do; photos with alpha stay float32 until they are multiplied by it.
+
+    Returns
+    -------
+    Rows
+        Gives the rows from `begin` to `end`, (end - begin, W, 3); the next call reuses the memory.
+    """
+    dtype = np.float16 if half and photo.alpha is None else np.float32
+    buffer = np.empty((0, *photo.encoded.shape[1:]), dtype)
+
+    def rows(begin: int, end: int) -> Pixels:
+        nonlocal buffer
+        if len(buffer) < end - begin:
+            buffer = np.empty((end - begin, *buffer.shape[1:]), dtype)
+        return _look_up(photo, lookup, begin, end, buffer[: end - begin])
+
+    return rows
 
 
 def write_exr(
     path: str | Path,
-    linear: Float32,
+    linear: Pixels | Rows,
     photo: Photo,
     *,
     provenance: Mapping[str, str],
@@ -117,7 +135,8 @@ def write_exr(
     path
         The file, named .exr.
     linear
-        (H, W, 3) relative linear light.
+        (H, W, 3) relative linear light, float16 or float32; or a function that gives its rows, so
+        that a band of them is in memory and no more.
     photo
         Where it comes from: gives alpha (colors are multiplied by it, as OpenEXR has it),
         primaries, and the metadata of its file that still hold.
@@ -141,82 +160,71 @@ def write_exr(
         If it exists and `overwrite` is false, or cannot be written.
     """
     path = Path(path)
-    if linear.shape != photo.encoded.shape:
-        raise SettingsError(f"{linear.shape} pixels do not belong to a {photo.encoded.shape} photo")
+    shape = photo.encoded.shape
+    if not callable(linear) and linear.shape != shape:
+        raise SettingsError(f"{linear.shape} pixels do not belong to a {shape} photo")
     if path.suffix.lower() != ".exr":
         raise OutputError(f"{path}: is not named as OpenEXR; give it the suffix .exr")
     require_free(path, overwrite=overwrite)
     if photo.path is not None and path.exists() and path.samefile(photo.path):
         raise OutputError(f"{path}: is the photo itself; choose another name")
-    pixels = _associated(linear, photo)
-    if half:
-        pixels = np.clip(pixels, -HALF_MAX, HALF_MAX)
-    header = _header(pixels.shape, photo, provenance, oiio.HALF if half else oiio.FLOAT)
+    count = 3 if photo.alpha is None else 4
+    header = _header((*shape[:2], count), photo, provenance, oiio.HALF if half else oiio.FLOAT)
     header.attribute("compression", compression)
-    content = _encode(path, header, np.ascontiguousarray(pixels))
-    (written,) = write_files([Draft(path, content, _check_opens)], overwrite=overwrite)
+    rows = linear if callable(linear) else _rows_of(linear)
+
+    def write(temporary: Path) -> None:
+        problem = _write_bands(
+            temporary, header, lambda a, b: _finished(rows(a, b), photo, a, b, half)
+        )
+        if problem:
+            _require_space(temporary)
+            raise OutputError(f"{path}: cannot be written ({problem}); choose another folder")
+
+    def check(temporary: Path) -> None:
+        problem = _why_it_does_not_open(temporary)
+        if problem:
+            raise OutputError(f"{path}: does not read back ({problem}); write it again")
+
+    (written,) = write_files([Draft(path, write, check)], overwrite=overwrite)
     return written
 
 
-def _map_codes(photo: Photo, transform: Callable[[Float32], Float32]) -> Float32:
-    """Apply a transform of (..., 3) that keeps channels apart; once per code where codes are few.
-
-    Photos with alpha may hold values between codes, where their file had them multiplied by it.
-    """
-    bits = photo.bit_depth
-    if bits is None or bits > _LARGEST_TABLE or photo.alpha is not None:
-        return transform(photo.encoded)
-    grid = code_grid(bits)
-    table = transform(np.repeat(grid[:, None], 3, axis=1))
-    if bits == 8:
-        codes = cv2.convertScaleAbs(photo.encoded, alpha=255)
-        return np.asarray(cv2.LUT(codes, table[None]), np.float32)
-    codes = np.rint(photo.encoded * np.float32(grid.size - 1)).astype(np.uint16)
+def _whole(photo: Photo, lookup: Lookup) -> Float32:
     result = np.empty_like(photo.encoded)
-    for channel in range(3):
-        result[..., channel] = np.take(np.ascontiguousarray(table[:, channel]), codes[..., channel])
+    for begin in range(0, len(result), _BAND):
+        end = min(begin + _BAND, len(result))
+        _look_up(photo, lookup, begin, end, result[begin:end])
     return result
 
 
-def lut_processor(lut: Path) -> Any:
-    """The processor of one LUT file, as it is on the disk now."""
-    if not lut.is_file():
-        problem = (
-            "is a folder; name a LUT file" if lut.is_dir() else "does not exist; check the name"
-        )
-        raise LutError(f"{lut}: {problem}")
-    # OpenColorIO remembers files by name, and would give what the file held before; and it puts
-    # the environment's variables into names, unless the context is an empty one.
-    ocio.ClearAllCaches()
-    source = str(lut.resolve())
-    transform = ocio.FileTransform(src=source, interpolation=ocio.Interpolation.INTERP_BEST)
-    try:
-        processor = ocio.Config.CreateRaw().getProcessor(
-            context=ocio.Context(),
-            transform=transform,
-            direction=ocio.TransformDirection.TRANSFORM_DIR_FORWARD,
-        )
-    except ocio.Exception as error:
-        problem = " ".join(str(error).split()).replace(source, lut.name)[:240].strip(" .")
-        raise LutError(
-            f"{lut}: OpenColorIO cannot read it ({problem}); give a LUT file such as .spi1d, "
-            ".cube or .clf"
-        ) from error
-    # OpenColorIO takes a table with NaN for the identity.
-    tables = [
-        part.getData() for part in processor.createGroupTransform() if hasattr(part, "getData")
-    ]
-    if not all(np.isfinite(table).all() for table in tables):
-        raise LutError(f"{lut}: holds NaN or infinite values; make the LUT again")
-    return processor
+def _look_up(photo: Photo, lookup: Lookup, begin: int, end: int, out: Pixels) -> Pixels:
+    """Send rows through a transform, as integer codes where that is what they were.
+
+    Photos with alpha may hold values between codes, where their file had them multiplied by it.
+    """
+    band, bits = photo.encoded[begin:end], photo.bit_depth
+    if bits is None or bits > _LARGEST_TABLE or photo.alpha is not None or photo.scene_linear:
+        return lookup.apply(band, out=out)
+    if bits == 8:
+        return lookup.apply(cv2.convertScaleAbs(band, alpha=255), out=out)
+    maximum = 2**bits - 1
+    codes = np.rint(band * np.float32(maximum)).astype(np.uint16)
+    return lookup.apply(codes, out=out, maximum=maximum)
 
 
-def _associated(linear: Float32, photo: Photo) -> Float32:
-    """(H, W, 3), or (H, W, 4) with colors multiplied by alpha."""
-    if photo.alpha is None:
-        return linear
-    alpha = photo.alpha[..., None]
-    return np.concatenate([linear * alpha, alpha], axis=2)
+def _rows_of(linear: Pixels) -> Rows:
+    return lambda begin, end: linear[begin:end]
+
+
+def _finished(linear: Pixels, photo: Photo, begin: int, end: int, half: bool) -> Pixels:
+    """Rows as they go into the file: multiplied by alpha, within the range of its type."""
+    if photo.alpha is not None:
+        alpha = photo.alpha[begin:end, :, None]
+        linear = np.concatenate([linear * alpha, alpha], axis=2, dtype=np.float32)
+    if half and linear.dtype != np.float16:
+        linear = np.clip(linear, -HALF_MAX, HALF_MAX)
+    return np.ascontiguousarray(linear)
 
 
 def _header(
@@ -268,29 +276,29 @@ def _primaries_note(primaries: Primaries) -> str:
     return f"{primaries.name} by {primaries.source}"
 
 
-def _encode(path: Path, header: oiio.ImageSpec, pixels: Float32) -> bytes:
-    """The bytes of an EXR file, which OpenImageIO can write to a disk only."""
+def _write_bands(path: Path, header: oiio.ImageSpec, rows: Rows) -> str:
+    """Write an EXR file over an empty one; what OpenImageIO says if it cannot."""
+    output: Any = oiio.ImageOutput.create("openexr")
+    written = output.open(str(path), header)
     try:
-        with tempfile.TemporaryDirectory(prefix=".facecrf-", dir=path.parent) as folder:
-            file = Path(folder) / "linear.exr"
-            output: Any = oiio.ImageOutput.create("openexr")
-            written = output.open(str(file), header) and output.write_image(pixels)
-            if not (output.close() and written):
-                problem = output.geterror().strip().partition("\n")[0]
-                raise OutputError(
-                    f"{path}: cannot be written ({problem}); check the free space of the disk"
-                )
-            return file.read_bytes()
-    except OSError as error:
-        problem = (error.strerror or str(error)).lower()
-        raise OutputError(
-            f"{path}: cannot be written ({problem}); choose a folder that exists, is yours to "
-            "write to and has space left"
-        ) from error
+        for begin in range(0, header.height, _BAND):
+            end = min(begin + _BAND, header.height)
+            written = written and output.write_scanlines(begin, end, 0, rows(begin, end))
+    finally:
+        written = output.close() and written
+    return "" if written else output.geterror().strip().partition("\n")[0] or "no reason given"
 
 
-def _check_opens(path: Path) -> None:
+def _require_space(path: Path) -> None:
+    """Let the system say what OpenImageIO's message does not, such as that the disk is full."""
+    with path.open("ab") as file:
+        file.write(bytes(1 << 20))
+        os.fsync(file.fileno())
+
+
+def _why_it_does_not_open(path: Path) -> str:
     written = open_image(path)
     if written is None:
-        raise OutputError(f"{path}: does not read back ({oiio.geterror()}); write it again")
+        return str(oiio.geterror()).strip().partition("\n")[0] or "no reason given"
     written.close()
+    return ""

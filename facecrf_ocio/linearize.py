@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from facecrf_ocio import __version__
-from facecrf_ocio.apply import linearize_photo, write_exr
+from facecrf_ocio.apply import linear_rows, write_exr
+from facecrf_ocio.lookup import curve_lookup
 from facecrf_ocio.values import Estimate, Photo
 
 
@@ -34,9 +35,10 @@ def write_linear(
     }
     if estimate.confidence is not None:
         provenance["confidence"] = str(estimate.confidence.verdict)
+    rows = linear_rows(photo, curve_lookup(estimate.curve), half=half)
     return write_exr(
         path,
-        linearize_photo(photo, estimate.curve),
+        photo.encoded if photo.scene_linear else rows,
         photo,
         provenance=provenance,
         half=half,

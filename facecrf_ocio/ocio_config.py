@@ -13,10 +13,10 @@ from typing import Any, Literal
 import numpy as np
 import PyOpenColorIO as ocio  # noqa: N813
 
-from facecrf_ocio.apply import lut_processor
 from facecrf_ocio.errors import LutError, OutputError, SettingsError
 from facecrf_ocio.export.atomic import Draft, require_free, write_files
 from facecrf_ocio.export.working_space import WORKING_SPACES, working_space_matrix
+from facecrf_ocio.lut_file import lut_processor
 from facecrf_ocio.values import Primaries
 
 Form = Literal["auto", "spaces", "variable"]

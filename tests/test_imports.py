@@ -25,7 +25,7 @@ LAYERS = (
     ("cues", "confidence"),
     ("joint",),
     ("calibrate", "together", "pair"),
-    ("export", "apply", "lint"),
+    ("export", "apply", "lint", "lookup", "lut_file"),
     ("report", "benchmark", "linearize", "demo", "synthetic", "ocio_config"),
     ("training", "archive"),
     (
@@ -107,7 +107,7 @@ def test_no_two_units_import_each_other():
 @pytest.mark.parametrize(
     ("library", "units"),
     [
-        ("PyOpenColorIO", {"export", "apply", "ocio_config"}),
+        ("PyOpenColorIO", {"export", "lut_file", "ocio_config"}),
         ("OpenImageIO", {"read", "raw", "profile", "pixels", "integrity", "apply"}),
         ("rawpy", {"raw"}),
         ("matplotlib", {"report", "demo"}),

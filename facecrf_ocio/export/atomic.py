@@ -35,14 +35,14 @@ class Draft:
     target
         Where it shall appear.
     content
-        Its bytes.
+        Its bytes; or a function that writes them to the path of an empty file, the temporary one.
     check
         Called with the path of the finished temporary file, which lies in the target's folder and
         has the target's suffix; what it raises keeps the file from appearing.
     """
 
     target: Path
-    content: bytes
+    content: bytes | Callable[[Path], None]
     check: Callable[[Path], None]
 
 
@@ -90,13 +90,18 @@ def _temporary_name(target: Path) -> Path:
     return target.parent / f".facecrf-{os.urandom(8).hex()}{target.suffix.lower()}"
 
 
-def _write(path: Path, content: bytes) -> None:
+def _write(path: Path, content: bytes | Callable[[Path], None]) -> None:
     descriptor = os.open(
         path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666
     )
     with os.fdopen(descriptor, "wb") as stream:
-        stream.write(content)
-        stream.flush()
+        if not callable(content):
+            stream.write(content)
+            stream.flush()
+            os.fsync(stream.fileno())
+            return
+    content(path)
+    with path.open("rb+") as stream:  # anew, in case the writer replaced the file
         os.fsync(stream.fileno())
 
 

@@ -1,0 +1,302 @@
+"""Sending pixels through a transform as fast as their type allows: codes by table, else in threads.
+
+Integers and half floats have at most 65,536 different values, so a transform that keeps channels
+apart is asked once for each of them, and the pixels are looked up in the answers. The rest goes
+through the transform itself, a band of rows at a time, on all cores.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from facecrf_ocio.errors import LutError, SettingsError
+from facecrf_ocio.values import InverseCRF
+
+Pixels = npt.NDArray[Any]
+Float32 = npt.NDArray[np.float32]
+Transform = Callable[[Float32, Pixels], None]
+"""Maps (H, W, 3) C-contiguous float32 to the like-shaped second argument, float32 or float16."""
+
+HALF_MAX = 65504.0
+_RGB = (0, 1, 2)
+_BAND = 1 << 17  # [pixel] a band's float32 colors, 1.5 MB, stay in a core's cache
+_MAXIMA = {np.dtype(np.uint8): 255, np.dtype(np.uint16): 65535}
+_INFINITE_HALF = 0x7C00  # bits of infinity; NaN are above it
+
+
+class Lookup:
+    """A transform of RGB, applied by tables where that gives the same.
+
+    Parameters
+    ----------
+    transform
+        What to apply.
+    separable
+        Whether each channel of the result depends on that channel alone. Without it there are no
+        tables.
+    name
+        What to call the transform in the error for NaN or infinite results; None passes them on.
+    """
+
+    def __init__(
+        self, transform: Transform, *, separable: bool = True, name: str | None = None
+    ) -> None:
+        self.separable = separable
+        self._transform = transform
+        self._name = name
+        self._tables: dict[tuple[object, ...], _Table] = {}
+
+    def apply(
+        self,
+        pixels: Pixels,
+        *,
+        dtype: npt.DTypeLike = np.float32,
+        out: Pixels | None = None,
+        maximum: int | None = None,
+        color: Sequence[int] = _RGB,
+        alpha: int | None = None,
+    ) -> Pixels:
+        """Transform the color channels of an image; the others keep their values.
+
+        Parameters
+        ----------
+        pixels
+            (H, W, C) uint8, uint16, float16 or float32.
+        dtype
+            Of the result: float16, whose colors are clamped to 65504, or float32.
+        out
+            (H, W, C) of one of these types, written to and returned; `dtype` is then ignored.
+        maximum
+            The integer code that stands for 1; by default the largest of the type.
+        color
+            Indices of R, G and B, or of one gray channel.
+        alpha
+            Index of the channel that colors are multiplied by: they are divided by it before the
+            transform and multiplied after it, except where it is 0. None where they are not.
+
+        Returns
+        -------
+        numpy.ndarray
+            (H, W, C).
+
+        Raises
+        ------
+        SettingsError
+            If types or shapes are none of these, or gray is sent through unlike curves.
+        LutError
+            If a result is NaN or infinite and the transform has a name.
+        """
+        out = np.empty(pixels.shape, dtype) if out is None else out
+        _check(pixels, out, color)
+        if out.size == 0:
+            return out
+        work = _Work(maximum or _MAXIMA.get(pixels.dtype, 1), tuple(color), alpha)
+        if alpha is not None and _is_opaque(pixels, alpha, work.maximum):
+            work = replace(work, alpha=None)
+        if self.separable and work.alpha is None and pixels.dtype != np.float32:
+            self._look_up(pixels, out, work)
+        else:
+            self._compute(pixels, out, work)
+        return out
+
+    def _look_up(self, pixels: Pixels, out: Pixels, work: _Work) -> None:
+        key = (work, pixels.dtype, pixels.shape[2], out.dtype)
+        if key not in self._tables:
+            self._tables[key] = self._table(pixels, out.dtype, work)
+        table = self._tables[key]
+        codes = pixels.view(np.uint16) if pixels.dtype == np.float16 else pixels
+        if table.infinite is not None and self._name is not None:
+            used = (np.take(table.infinite[:, c], codes[..., c]).any() for c in work.color)
+            if any(used):
+                raise self._broken()
+        if codes.dtype == np.uint8 or _opencv_looks_up_16_bits():
+            _opencv_look_up(codes, table.values, out)
+        else:
+            _numpy_look_up(codes, table.values, out)
+
+    def _table(self, pixels: Pixels, dtype: Any, work: _Work) -> _Table:
+        values = _every_value(pixels.dtype, work.maximum)
+        table = np.repeat(values[:, None], pixels.shape[2], axis=1)
+        result = self._transformed(np.repeat(values[None, :, None], 3, axis=2), work)[0]
+        table[:, work.color] = result
+        infinite = None
+        if not np.isfinite(result).all():
+            infinite = ~np.isfinite(table)
+        return _Table(_half(table, work.color) if dtype == np.float16 else table, infinite)
+
+    def _compute(self, pixels: Pixels, out: Pixels, work: _Work) -> None:
+        plain = work == _Work(work.maximum, _RGB, None) and pixels.shape[2] == 3
+        band = self._colors_alone if plain and pixels.dtype == np.float32 else self._band
+        rows = max(1, _BAND // pixels.shape[1])
+        bands = [slice(y, y + rows) for y in range(0, pixels.shape[0], rows)]
+        with ThreadPoolExecutor(min(len(bands), cores())) as threads:
+            for done in [threads.submit(band, pixels[at], out[at], work) for at in bands]:
+                done.result()
+
+    def _colors_alone(self, pixels: Float32, out: Pixels, work: _Work) -> None:
+        """Float RGB straight into `out`, where that can be."""
+        given = np.ascontiguousarray(pixels)
+        if out.flags.c_contiguous and not np.may_share_memory(given, out):
+            self._transform(given, out)
+            if out.dtype == np.float32:
+                self._require_finite(out)
+                return
+            if not _is_infinite_half(out):
+                return
+        result = self._transformed(given, work)
+        self._require_finite(result)
+        out[...] = _half(result, work.color) if out.dtype == np.float16 else result
+
+    def _band(self, pixels: Pixels, out: Pixels, work: _Work) -> None:
+        values = _as_float(pixels, work.maximum)
+        given = np.ascontiguousarray(values[..., work.color * (3 // len(work.color))])
+        coverage = np.ones_like(given[..., :1])
+        if work.alpha is not None:
+            coverage = values[..., work.alpha, None]
+            coverage = np.where(coverage > 0, coverage, np.float32(1))
+            given /= coverage
+        result = self._transformed(given, work)
+        self._require_finite(result)
+        values[..., work.color] = result * coverage
+        out[...] = _half(values, work.color) if out.dtype == np.float16 else values
+
+    def _transformed(self, given: Float32, work: _Work) -> Float32:
+        """(H, W, 1 or 3) of (H, W, 3)."""
+        result = np.empty_like(given)
+        self._transform(given, result)
+        if len(work.color) == 3:
+            return result
+        gray = result[..., :1]
+        if not np.array_equal(result, np.broadcast_to(gray, result.shape), equal_nan=True):
+            raise SettingsError(
+                f"{self._name or 'the transform'}: treats R, G and B unlike each other, and the "
+                "image is gray; convert the image to RGB first"
+            )
+        return gray
+
+    def _require_finite(self, colors: Float32) -> None:
+        if self._name is not None and not np.isfinite(colors.sum(dtype=np.float64)):
+            raise self._broken()
+
+    def _broken(self) -> LutError:
+        return LutError(f"{self._name}: gives NaN or infinite values; make the LUT again")
+
+
+@dataclass(frozen=True, slots=True)
+class _Work:
+    """What `Lookup.apply` was asked for: the code that is 1, the channels' indices."""
+
+    maximum: int
+    color: tuple[int, ...]
+    alpha: int | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Table:
+    """(N, C) what becomes of every value, and which of it is not finite, if any."""
+
+    values: Pixels
+    infinite: npt.NDArray[np.bool_] | None
+
+
+def curve_lookup(curve: InverseCRF) -> Lookup:
+    """Return what `curve.linearize` does; NaN become 0, as in OpenColorIO."""
+
+    def transform(values: Float32, out: Pixels) -> None:
+        out[...] = curve.linearize(np.nan_to_num(values, nan=0.0, posinf=1.0, neginf=0.0))
+
+    return Lookup(transform)
+
+
+def cores() -> int:
+    """How many processor cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _check(pixels: Pixels, out: Pixels, color: Sequence[int]) -> None:
+    if pixels.ndim != 3 or str(pixels.dtype) not in ("uint8", "uint16", "float16", "float32"):
+        raise SettingsError(
+            f"pixels must be (H, W, C) uint8, uint16, float16 or float32, not {pixels.dtype} of "
+            f"shape {pixels.shape}"
+        )
+    if out.shape != pixels.shape or out.dtype not in (np.float16, np.float32):
+        raise SettingsError(
+            f"the result of {pixels.shape} pixels must be float16 or float32 of the same shape, "
+            f"not {out.dtype} {out.shape}"
+        )
+    if len(color) not in (1, 3) or not all(0 <= index < pixels.shape[2] for index in color):
+        raise SettingsError(f"no channels {tuple(color)} of {pixels.shape[2]} for R, G, B or gray")
+
+
+def _is_opaque(pixels: Pixels, alpha: int, maximum: int) -> bool:
+    coverage = pixels[..., alpha]
+    return bool((coverage == (1 if coverage.dtype.kind == "f" else maximum)).all())
+
+
+def _every_value(dtype: np.dtype[Any], maximum: int) -> Float32:
+    """(256,) or (65536,) the number that each bit pattern stands for."""
+    if dtype == np.float16:
+        return _as_float(np.arange(65536, dtype=np.uint16).view(np.float16), 1)
+    codes = np.arange(np.iinfo(dtype).max + 1)
+    return np.asarray(np.minimum(codes, maximum) / maximum, np.float32)
+
+
+def _as_float(pixels: Pixels, maximum: int) -> Float32:
+    if pixels.dtype.kind == "u":
+        return np.minimum(pixels / np.float32(maximum), 1, dtype=np.float32)
+    with np.errstate(invalid="ignore"):  # signaling NaN
+        return pixels.astype(np.float32)
+
+
+def _half(values: Float32, color: Sequence[int]) -> Pixels:
+    """As float16: colors too bright for it become its largest value, the rest infinite."""
+    values = values.copy()
+    values[..., list(color)] = np.clip(values[..., list(color)], -HALF_MAX, HALF_MAX)
+    if hasattr(cv2, "convertFp16"):  # until OpenCV 5
+        bits = cv2.convertFp16(values.reshape(len(values), -1))
+        return np.asarray(bits).view(np.float16).reshape(values.shape)
+    add: Any = cv2.add  # four times as fast as numpy's `astype`, and equal
+    return np.asarray(add(values.reshape(len(values), -1), 0.0, dtype=cv2.CV_16F)).reshape(
+        values.shape
+    )
+
+
+def _is_infinite_half(values: Pixels) -> bool:
+    return bool(((values.view(np.uint16) & 0x7FFF) >= _INFINITE_HALF).any())
+
+
+@cache
+def _opencv_looks_up_16_bits() -> bool:
+    """Whether this OpenCV does; before 4.13 it knows tables of 256 entries only."""
+    try:
+        cv2.LUT(np.zeros((1, 1), np.uint16), np.zeros((1, 65536), np.float32))
+    except cv2.error:
+        return False
+    return True
+
+
+def _opencv_look_up(codes: Any, table: Pixels, out: Pixels) -> None:
+    # Half floats go as 16-bit integers, which every version of OpenCV copies as they are.
+    kind = np.uint16 if out.dtype == np.float16 else np.float32
+    target: Any = out.view(kind)
+    entries: Any = table.view(kind)[None]
+    result = cv2.LUT(codes, entries, dst=target if out.flags.c_contiguous else None)
+    if result is not target:
+        target[...] = np.reshape(result, target.shape)
+
+
+def _numpy_look_up(codes: Pixels, table: Pixels, out: Pixels) -> None:
+    for channel in range(codes.shape[2]):
+        column = np.ascontiguousarray(table[:, channel])
+        out[..., channel] = np.take(column, codes[..., channel])
