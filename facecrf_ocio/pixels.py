@@ -69,9 +69,9 @@ def unpremultiplied(color: Float32, alpha: Float32) -> Float32:
     return np.asarray(color / coverage[..., None], np.float32)
 
 
-def three_channels(image: Float32) -> Float32:
+def three_channels(image: Pixels) -> Pixels:
     """(H, W, 3) as it is, or (H, W) repeated."""
-    return image if image.ndim == 3 else np.asarray(cv2.merge([image] * 3), np.float32)
+    return image if image.ndim == 3 else np.asarray(cv2.merge([image] * 3))
 
 
 def is_gray(rgb: Pixels) -> bool:

@@ -97,8 +97,10 @@ def _read_raw(path: Path, sha256: str) -> Photo:
     if linear is None:
         raise PhotoError(path, f"is not an image that can be read ({problem})", _COPY_OR_CONVERT)
     header = open_image(path)
+    encoded = code_values(linear, 16)
+    encoded.flags.writeable = False  # or the photo would copy it
     return Photo(
-        code_values(linear, 16),
+        encoded,
         scene_linear=True,
         primaries=known_primaries("Rec.709", "camera raw decoding"),
         camera=Camera() if header is None else _camera(header.spec()),
@@ -118,13 +120,18 @@ def _read_image(path: Path, source: Any, sha256: str) -> Photo:
     bits = spec.get_int_attribute("oiio:BitsPerSample", 8 * spec.format.size())
     turn = spec.get_int_attribute("Orientation", 1)
 
-    encoded = three_channels(code_values(upright(_select(codes, channels), turn), bits))
     alpha = None
     if transparency is not None:
         alpha = frozen(code_values(upright(codes[..., transparency], turn), bits), np.float32)
-        if _is_premultiplied(spec, file_format):
-            encoded = unpremultiplied(encoded, alpha)
-            encoded = encoded if scene_linear else np.minimum(encoded, np.float32(1))
+    # The largest arrays of all: each is let go when the next is there, and none is copied.
+    color = three_channels(upright(_select(codes, channels), turn))
+    del codes
+    encoded = code_values(color, bits)
+    del color
+    if alpha is not None and is_premultiplied(spec, file_format):
+        encoded = unpremultiplied(encoded, alpha)
+        encoded = encoded if scene_linear else np.minimum(encoded, np.float32(1))
+    encoded.flags.writeable = False
     return Photo(
         encoded,
         bit_depth=_bit_depth(spec, bits),
@@ -201,7 +208,7 @@ def _bit_depth(spec: Any, bits: int) -> int | None:
     return max(bits, 8) if spec.format.basetype in _INTEGERS else None
 
 
-def _is_premultiplied(spec: Any, file_format: str) -> bool:
+def is_premultiplied(spec: Any, file_format: str) -> bool:
     """Whether colors are stored multiplied by alpha, which reading unassociated cannot undo."""
     told = spec.get_int_attribute("oiio:UnassociatedAlpha")
     return file_format == "openexr" or (file_format == "tiff" and not told)
