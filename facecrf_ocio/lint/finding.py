@@ -1,0 +1,69 @@
+"""What a linter finds, and the tables it looks at."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+ERROR, WARNING = "error", "warning"
+DECIMAL_COMMA = re.compile(r"\d,\d")
+Row = tuple[int | None, list[float]]
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing wrong with a LUT file.
+
+    Attributes
+    ----------
+    path, line
+        Where; the line counts from 1 and is None where the format has none.
+    severity
+        `error`: pixels will be wrong. `warning`: they may be.
+    problem, remedy
+        What is wrong and what to do, without final periods.
+    """
+
+    path: Path
+    line: int | None
+    severity: str
+    problem: str
+    remedy: str
+
+    def __str__(self) -> str:
+        line = "" if self.line is None else f":{self.line}"
+        return f"{self.path}{line}: {self.severity}: {self.problem}; {self.remedy}"
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A one-dimensional table as its file has it.
+
+    Attributes
+    ----------
+    rows
+        Line and numbers of each entry; white is 1.
+    promised
+        Entries that the header promises, None where it does not say.
+    findings
+        What was found while reading.
+    line
+        Where the number of entries is promised.
+    step
+        By how much two entries differ at least, where they are integers; 0 for floats.
+    name
+        What to call a table of one column.
+    """
+
+    rows: list[Row]
+    promised: int | None = None
+    findings: tuple[Finding, ...] = ()
+    line: int | None = None
+    step: float = 0.0
+    name: str = "the curve"
+
+
+def broken(path: Path, line: int | None, problem: str, remedy: str) -> Table:
+    """A table of which there is nothing to say but one error."""
+    return Table([], None, (Finding(path, line, ERROR, problem, remedy),))
