@@ -63,6 +63,11 @@ def code_grid(bits: int) -> Float32:
     return np.asarray(np.arange(maximum + 1) / maximum, np.float32)
 
 
+def in_8_bits(values: Float32) -> Float32:
+    """Code values rounded to those that an 8-bit file can hold."""
+    return np.asarray(np.rint(values * np.float32(255)) / np.float32(255), np.float32)
+
+
 def unpremultiplied(color: Float32, alpha: Float32) -> Float32:
     """Divide (H, W, 3) by (H, W) alpha; where alpha is 0 there is nothing to divide."""
     coverage = np.where(alpha > 0, alpha, np.float32(1))

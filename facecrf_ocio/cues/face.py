@@ -14,6 +14,7 @@ from facecrf_ocio.cues.evidence import Answer, Cue, Evidence, Lacking
 from facecrf_ocio.energy.pigment import PigmentEvidence, SkinPigment
 from facecrf_ocio.face.detect import FoundFaces, find_faces
 from facecrf_ocio.face.geometry import face_geometry
+from facecrf_ocio.pixels import in_8_bits
 from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.skin.gradients import single_pigment_pairs
@@ -110,14 +111,18 @@ def _gather(photo: Photo, model: ResponseModel, settings: Settings, *, shaded: b
     )
 
 
-def cut_face(photo: Photo, face: Face, settings: Settings) -> FaceView:
-    """Cut a face out, scale it down to the working size, and lay its mesh over it."""
+def cut_face(photo: Photo, face: Face, settings: Settings, *, to_8_bits: bool = False) -> FaceView:
+    """Cut a face out, scale it down to the working size, and lay its mesh over it.
+
+    With `to_8_bits` it is rounded to 8 bits before it is scaled.
+    """
     height, width = photo.encoded.shape[:2]
     points = face.landmarks_xyz[:, :2]
     margin = 0.05 * face.box_xy[2]
     left, top = np.maximum(np.floor(points.min(axis=0) - margin), 0).astype(int)
     right, bottom = np.ceil(points.max(axis=0) + margin).astype(int)
     cut = photo.encoded[top : min(bottom, height), left : min(right, width)]
+    cut = in_8_bits(cut) if to_8_bits else cut
     face_width = float(np.ptp(points[:, 0]))
     scale = min(1.0, settings.face_width / face_width)
     size = (max(1, round(cut.shape[1] * scale)), max(1, round(cut.shape[0] * scale)))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -114,21 +114,15 @@ def gather(
         why = lacking_faces(found, settings)
         return lacking(why.reason, why.remedy)
     face = max(found.faces, key=lambda candidate: float(candidate.box_xy[2]))
-    photo = _in_8_bits(photo)
-    statistics = face_statistics(cut_face(photo, face, settings), settings)
+    # The networks know 8-bit photos: rounding is part of the noise they learned from.
+    finer = photo.bit_depth != 8
+    statistics = face_statistics(cut_face(photo, face, settings, to_8_bits=finer), settings)
     if statistics is None:
         return lacking("the face shows too little skin of one hue", _LARGER)
-    by_cue = {**photo_statistics(photo.encoded), **statistics.by_cue}
+    by_cue = {**photo_statistics(photo.encoded, to_8_bits=finer), **statistics.by_cue}
     return PhotoEvidence(
         networks.messages(by_cue), _histograms(statistics.encoded), leaning, face=face
     )
-
-
-def _in_8_bits(photo: Photo) -> Photo:
-    """The photo as the networks know photos: rounding is part of the noise they learned from."""
-    if photo.bit_depth == 8:
-        return photo
-    return replace(photo, encoded=np.rint(photo.encoded * 255.0) / np.float32(255.0), bit_depth=8)
 
 
 def _histograms(encoded: Float) -> Float:

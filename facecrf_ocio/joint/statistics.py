@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from facecrf_ocio.cues.face import MIN_SKIN_PIXELS, FaceView
 from facecrf_ocio.face import regions
+from facecrf_ocio.pixels import in_8_bits
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.skin.mask import find_skin
 from facecrf_ocio.values import Float, frozen
@@ -54,12 +55,17 @@ class Statistics:
     encoded: Float
 
 
-def photo_statistics(encoded: npt.NDArray[np.float32]) -> dict[str, Float]:
-    """Statistics of a whole photo (H, W, 3) that need no face: `grain`."""
-    return {"grain": _grain(encoded)}
+def photo_statistics(
+    encoded: npt.NDArray[np.float32], *, to_8_bits: bool = False
+) -> dict[str, Float]:
+    """Statistics of a whole photo (H, W, 3) that need no face: `grain`.
+
+    With `to_8_bits` they are those of the photo rounded to 8 bits.
+    """
+    return {"grain": _grain(encoded, to_8_bits)}
 
 
-def _grain(encoded: npt.NDArray[np.float32]) -> Float:
+def _grain(encoded: npt.NDArray[np.float32], to_8_bits: bool) -> Float:
     """Log deviation of the noise at each level of the code values, over the whole photo.
 
     Photon noise grows with the root of linear light, so what it is in encoded values tells the
@@ -69,6 +75,7 @@ def _grain(encoded: npt.NDArray[np.float32]) -> Float:
     rows = slice(max(0, height // 2 - _GRAIN_SIDE // 2), height // 2 + _GRAIN_SIDE // 2)
     columns = slice(max(0, width // 2 - _GRAIN_SIDE // 2), width // 2 + _GRAIN_SIDE // 2)
     green = np.ascontiguousarray(encoded[rows, columns, 1])
+    green = in_8_bits(green) if to_8_bits else green
     level = np.minimum((cv2.blur(green, (3, 3)) * GRAIN_BINS).astype(np.intp), GRAIN_BINS - 1)
     residue = np.abs(cv2.filter2D(green, -1, _SECOND_DIFFERENCE))
     whole = float(np.log(np.quantile(residue, 0.3) + _QUANTIZATION))
