@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import re
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +13,12 @@ import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio.errors import OutputError, SettingsError
-from facecrf_ocio.export.atomic import Draft, require_free, write_files
+from facecrf_ocio.export.atomic import require_free
+from facecrf_ocio.exr_header import exr_header
+from facecrf_ocio.image_output import write_image_file
 from facecrf_ocio.lookup import HALF_MAX, Lookup, curve_lookup
 from facecrf_ocio.lut_file import lut_lookup
-from facecrf_ocio.profile import known_primaries
-from facecrf_ocio.read import open_image
-from facecrf_ocio.values import InverseCRF, Photo, Primaries
+from facecrf_ocio.values import InverseCRF, Photo
 
 Float32 = npt.NDArray[np.float32]
 Pixels = npt.NDArray[Any]
@@ -27,25 +26,6 @@ Rows = Callable[[int, int], Pixels]
 
 _LARGEST_TABLE = 16  # [bit]
 _BAND = 256  # [row] a multiple of what OpenEXR compresses as one block
-
-# Color Interop Forum, recommendation 03; other primaries have no identifier.
-_INTEROP_ID = {
-    "Rec.709": "lin_rec709_scene",
-    "Display P3": "lin_p3d65_scene",
-    "Rec.2020": "lin_rec2020_scene",
-    "Adobe RGB": "lin_adobergb_scene",
-}
-# What the source says of its own encoding, layout and upbringing, none of which is true of the
-# EXR: its pixels are linear, upright and in other types. Maker notes hold offsets into the source.
-_NOT_KEPT = re.compile(
-    r"(oiio|openexr|jpeg|png|tiff|gif|webp|dpx|cineon|psd|jpeg2000|heif|bmp|targa|ico|hdr|raw|"
-    r"ICCProfile|ICCProfile:.*|photoshop|thumbnail.*)(:.*)?|"
-    r"Exif:(ColorSpace|Gamma|Pixel[XY]Dimension|YCbCr.*|Compressed.*|Components.*|MakerNote|"
-    r"Interoperability.*|WhitePoint|PrimaryChromaticities|TransferFunction)|"
-    r"Orientation|compression|planarconfig|chromaticities|colorInteropID|whiteLuminance|"
-    r"acesImageContainerFlag|screenWindow.*|textureformat|wrapmodes|CICP|.*thumbnail.*",
-    re.IGNORECASE,
-)
 
 
 def linearize_photo(photo: Photo, curve: InverseCRF) -> Float32:
@@ -169,25 +149,14 @@ def write_exr(
     if photo.path is not None and path.exists() and path.samefile(photo.path):
         raise OutputError(f"{path}: is the photo itself; choose another name")
     count = 3 if photo.alpha is None else 4
-    header = _header((*shape[:2], count), photo, provenance, oiio.HALF if half else oiio.FLOAT)
+    header = exr_header((*shape[:2], count), photo, provenance, oiio.HALF if half else oiio.FLOAT)
     header.attribute("compression", compression)
     rows = linear if callable(linear) else _rows_of(linear)
 
-    def write(temporary: Path) -> None:
-        problem = _write_bands(
-            temporary, header, lambda a, b: _finished(rows(a, b), photo, a, b, half)
-        )
-        if problem:
-            _require_space(temporary)
-            raise OutputError(f"{path}: cannot be written ({problem}); choose another folder")
+    def finished(begin: int, end: int) -> Pixels:
+        return _finished(rows(begin, end), photo, begin, end, half)
 
-    def check(temporary: Path) -> None:
-        problem = _why_it_does_not_open(temporary)
-        if problem:
-            raise OutputError(f"{path}: does not read back ({problem}); write it again")
-
-    (written,) = write_files([Draft(path, write, check)], overwrite=overwrite)
-    return written
+    return write_image_file(path, partial(_write_bands, header, finished), overwrite=overwrite)
 
 
 def _whole(photo: Photo, lookup: Lookup) -> Float32:
@@ -227,56 +196,7 @@ def _finished(linear: Pixels, photo: Photo, begin: int, end: int, half: bool) ->
     return np.ascontiguousarray(linear)
 
 
-def _header(
-    shape: tuple[int, ...], photo: Photo, provenance: Mapping[str, str], kind: Any
-) -> oiio.ImageSpec:
-    height, width, count = shape
-    header = oiio.ImageSpec(width, height, count, kind)
-    header.channelnames = ("R", "G", "B", "A")[:count]
-    if photo.path is not None:
-        _keep_metadata(photo.path, header)
-    header.attribute("Orientation", 1)
-    primaries = photo.primaries or known_primaries("Rec.709", "assumed")
-    interop_id = _INTEROP_ID.get(primaries.name, "unknown")
-    header.attribute("oiio:ColorSpace", interop_id)
-    header.attribute("colorInteropID", interop_id)
-    header.attribute("chromaticities", oiio.TypeDesc("float[8]"), _chromaticities(primaries))
-    notes = {"primaries": _primaries_note(primaries), **provenance}
-    for name, value in notes.items():
-        header.attribute(f"facecrf:{name}", value)
-    return header
-
-
-def _keep_metadata(path: Path, header: oiio.ImageSpec) -> None:
-    source = open_image(path)
-    if source is None:  # moved meanwhile, or camera raw: nothing to keep
-        oiio.geterror()
-        return
-    for item in source.spec().extra_attribs:
-        if not _NOT_KEPT.fullmatch(item.name):
-            _copy_attribute(item, header)
-    source.close()
-
-
-def _copy_attribute(item: Any, header: oiio.ImageSpec) -> None:
-    # OpenImageIO drops short integers without a word; Python's own become 32-bit ones.
-    if isinstance(item.value, int | float | str):
-        header.attribute(item.name, item.value)
-    else:
-        header.attribute(item.name, item.type, item.value)
-
-
-def _chromaticities(primaries: Primaries) -> tuple[float, ...]:
-    return (*primaries.red, *primaries.green, *primaries.blue, *primaries.white)
-
-
-def _primaries_note(primaries: Primaries) -> str:
-    if primaries.source == "assumed":
-        return f"assumed {primaries.name}"
-    return f"{primaries.name} by {primaries.source}"
-
-
-def _write_bands(path: Path, header: oiio.ImageSpec, rows: Rows) -> str:
+def _write_bands(header: oiio.ImageSpec, rows: Rows, path: Path) -> str:
     """Write an EXR file over an empty one; what OpenImageIO says if it cannot."""
     output: Any = oiio.ImageOutput.create("openexr")
     written = output.open(str(path), header)
@@ -286,19 +206,4 @@ def _write_bands(path: Path, header: oiio.ImageSpec, rows: Rows) -> str:
             written = written and output.write_scanlines(begin, end, 0, rows(begin, end))
     finally:
         written = output.close() and written
-    return "" if written else output.geterror().strip().partition("\n")[0] or "no reason given"
-
-
-def _require_space(path: Path) -> None:
-    """Let the system say what OpenImageIO's message does not, such as that the disk is full."""
-    with path.open("ab") as file:
-        file.write(bytes(1 << 20))
-        os.fsync(file.fileno())
-
-
-def _why_it_does_not_open(path: Path) -> str:
-    written = open_image(path)
-    if written is None:
-        return str(oiio.geterror()).strip().partition("\n")[0] or "no reason given"
-    written.close()
-    return ""
+    return "" if written else output.geterror() or "no reason given"

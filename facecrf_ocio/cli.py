@@ -92,14 +92,15 @@ def apply(
 ) -> int:
     """Send PHOTO through a LUT made before and write it as a scene-linear EXR."""
     from facecrf_ocio import read_photo
-    from facecrf_ocio.apply import apply_lut, write_exr
+    from facecrf_ocio.apply import linear_rows, write_exr
+    from facecrf_ocio.lut_file import lut_lookup
 
     _require_exr_free(output, overwrite=overwrite)
     with status(f"applying {lut}"):
         source = read_photo(photo)
         written = write_exr(
             output,
-            apply_lut(source, lut),
+            linear_rows(source, lut_lookup(lut), half=half),
             source,
             provenance={"lut": lut.name, "version": __version__},
             half=half,

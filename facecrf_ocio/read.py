@@ -113,8 +113,8 @@ def _read_image(path: Path, source: Any, sha256: str) -> Photo:
     spec, file_format = source.spec(), source.format_name()
     check_size(path, spec.width, spec.height)
     _check_kind(path, spec, file_format)
-    channels, transparency = _color_channels(path, spec), _alpha_channel(spec)
-    icc = _icc(spec)
+    channels, transparency = color_channels(path, spec), alpha_channel(spec)
+    icc = icc_profile(spec)
     scene_linear = _is_scene_linear(spec, icc)
     codes = _decode(path, source)
     bits = spec.get_int_attribute("oiio:BitsPerSample", 8 * spec.format.size())
@@ -138,7 +138,7 @@ def _read_image(path: Path, source: Any, sha256: str) -> Photo:
         scene_linear=scene_linear,
         grayscale=len(channels) == 1 or is_gray(encoded),
         alpha=alpha,
-        primaries=_primaries(spec, icc),
+        primaries=primaries_of(spec, icc),
         camera=_camera(spec),
         path=path,
         sha256=sha256,
@@ -163,14 +163,14 @@ def _check_kind(path: Path, spec: Any, file_format: str) -> None:
         raise PhotoError(path, f"is {kind}", _CONVERT)
 
 
-def _color_channels(path: Path, spec: Any) -> list[int]:
+def color_channels(path: Path, spec: Any) -> list[int]:
     """Indices of R, G, B by name, those without a layer's prefix first; or of one gray channel."""
     names: Sequence[str] = [name.upper() for name in spec.channelnames]
     layers = dict.fromkeys(["", *(name[: name.rfind(".") + 1] for name in names)])
     for layer in layers:
         if all(layer + channel in names for channel in "RGB"):
             return [names.index(layer + channel) for channel in "RGB"]
-    color = [index for index in range(spec.nchannels) if index != _alpha_channel(spec)]
+    color = [index for index in range(spec.nchannels) if index != alpha_channel(spec)]
     if len(color) == 1:
         return color
     raise PhotoError(
@@ -180,7 +180,7 @@ def _color_channels(path: Path, spec: Any) -> list[int]:
     )
 
 
-def _alpha_channel(spec: Any) -> int | None:
+def alpha_channel(spec: Any) -> int | None:
     """Index of alpha; by name, because the GIF reader's `alpha_channel` is one too high."""
     return spec.channelnames.index("A") if "A" in spec.channelnames else None
 
@@ -225,13 +225,14 @@ def _is_scene_linear(spec: Any, icc: bytes) -> bool:
     return _ENCODED_SPACE.search(space) is None
 
 
-def _icc(spec: Any) -> bytes:
+def icc_profile(spec: Any) -> bytes:
+    """Bytes of an image's profile, empty where it has none."""
     profile = spec.getattribute("ICCProfile")
     return b"" if profile is None else bytes(bytearray(profile))
 
 
-def _primaries(spec: Any, icc: bytes) -> Primaries | None:
-    """ICC profile before file attributes before EXIF."""
+def primaries_of(spec: Any, icc: bytes) -> Primaries | None:
+    """Primaries by ICC profile, else file attributes, else EXIF; None where none of them tells."""
     by_profile = primaries_from_icc(icc)
     if by_profile is not None:
         return by_profile
