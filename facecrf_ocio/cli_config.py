@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from facecrf_ocio.cli_options import TEXT_PATH
+from facecrf_ocio.cli_options import SPACE_NAMES, TEXT_PATH
 from facecrf_ocio.cli_terminal import DONE, ending_well, one_line
 
 
@@ -24,13 +24,19 @@ from facecrf_ocio.cli_terminal import DONE, ending_well, one_line
 @click.option("--merge", metavar="CONFIG", help="Extend this config: a file or ocio://NAME.")
 @click.option(
     "--reference",
-    type=click.Choice(["acescg", "lin_rec709", "lin_p3d65", "aces2065-1"]),
+    type=click.Choice(SPACE_NAMES),
     help="Scene reference of that config, if it has no role aces_interchange.",
+)
+@click.option(
+    "--to",
+    "space",
+    type=click.Choice(SPACE_NAMES),
+    help="What scene_linear shall be in a config of its own; lin_rec709 unless given.",
 )
 @click.option(
     "--primaries",
     type=click.Choice(["Rec.709", "Display P3", "Rec.2020", "Adobe RGB"]),
-    help="Of the photos; Rec.709 unless given.",
+    help="Of all photos; unless given, what the records beside the LUTs say, else Rec.709.",
 )
 @click.option("--overwrite", is_flag=True, help="Replace existing files.")
 @ending_well

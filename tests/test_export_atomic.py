@@ -7,12 +7,11 @@ import os
 import stat
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import NoReturn
 
 import pytest
+from privileges import without_privileges
 
 from facecrf_ocio.errors import OutputError
 from facecrf_ocio.export.atomic import Draft, write_files
@@ -28,19 +27,6 @@ def drafts(folder: Path, *names: str) -> list[Draft]:
 
 def contents(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in folder.iterdir()}
-
-
-@contextmanager
-def without_privileges() -> Iterator[None]:
-    """Act as a user whom permissions bind, which they do not bind root."""
-    if os.geteuid() != 0:
-        yield
-        return
-    os.seteuid(65534)
-    try:
-        yield
-    finally:
-        os.seteuid(0)
 
 
 def test_all_files_appear_with_their_content(tmp_path: Path) -> None:

@@ -5,14 +5,23 @@ from __future__ import annotations
 import copy
 import shutil
 import subprocess
+import sys
+import tempfile
+from pathlib import Path
 
 import numpy as np
 import PyOpenColorIO as ocio  # noqa: N813
 import pytest
+from PIL import Image
+from privileges import without_privileges
 
 from facecrf_ocio.errors import LutError, OutputError, SettingsError
+from facecrf_ocio.export import write_outputs
 from facecrf_ocio.export.working_space import working_space_matrix
-from facecrf_ocio.ocio_config import VARIABLE_SPACE, name_luts, write_config
+from facecrf_ocio.ocio_config import VARIABLE_SPACE, PhotoLut, name_luts, write_config
+from facecrf_ocio.profile import known_primaries
+from facecrf_ocio.settings import Settings
+from facecrf_ocio.values import Estimate, InverseCRF, Outcome, Photo
 
 ODD = ["plain", "two words", 'it\'s "quoted"', "$HOME", "%d 100%", "déjà vu 写真", "-o", "a(1)[2]+"]
 CODES = np.repeat(np.linspace(0.0, 1.0, 257, dtype=np.float32)[:, None], 3, axis=1)
@@ -65,8 +74,209 @@ def test_two_photos_of_one_name_are_told_apart_by_their_folders(tmp_path):
         assert np.abs(through(config, space, "scene_linear") - expected(gamma)).max() < 1e-6
 
 
+def test_a_photo_is_told_by_as_many_folders_as_it_takes(tmp_path):
+    gammas = {"p": 1.6, "a/p": 1.8, "x/a/p": 2.0, "y/a/p": 2.2, "y/b/p": 2.4, "y/b/q": 2.6}
+    for place, gamma in gammas.items():
+        write_spi1d(tmp_path / "luts" / f"{place}.spi1d", gamma)
+    write_config([tmp_path / "luts"], tmp_path / "config.ocio")
+    config = ocio.Config.CreateFromFile(str(tmp_path / "config.ocio"))
+    for place, gamma in gammas.items():
+        for path in (f"/photos/{place}.jpg", f"C:\\photos\\{place}.jpg".replace("/", "\\")):
+            space, _ = config.getColorSpaceFromFilepath(path)
+            assert np.abs(through(config, space, "scene_linear") - expected(gamma)).max() < 1e-6
+
+
+def calibrated(folder, photos, formats=("spi1d",), stem=None):
+    """Files as a calibration leaves them: {file name: (gamma, name of primaries)}."""
+    for name, (gamma, primaries) in photos.items():
+        nodes = np.linspace(0, 1, 4096)
+        found = InverseCRF(nodes, np.stack([nodes**gamma] * 3))
+        photo = Photo(
+            np.zeros((2, 3, 3), np.float32),
+            path=Path(name),
+            primaries=known_primaries(primaries, "ICC profile") if primaries else None,
+        )
+        estimate = Estimate(Outcome.CALIBRATED, "face", "found", found=found)
+        write_outputs(photo, estimate, Settings(), folder, formats, stem=stem and stem(name))
+
+
+MIXED = {"a.jpg": (2.0, None), "b.jpg": (2.2, "Display P3"), "c.jpg": (2.4, "Adobe RGB")}
+
+
+def in_space(gamma, primaries, space):
+    given = known_primaries(primaries, "ICC profile") if primaries else None
+    return expected(gamma) @ working_space_matrix(given, space).T
+
+
+def test_each_photos_primaries_are_those_of_its_record(tmp_path):
+    calibrated(tmp_path / "luts", MIXED)
+    write_config([tmp_path / "luts"], tmp_path / "config.ocio")
+    config = ocio.Config.CreateFromFile(str(tmp_path / "config.ocio"))
+    for name, (gamma, primaries) in MIXED.items():
+        space, _ = config.getColorSpaceFromFilepath(f"/photos/{name}")
+        wanted = in_space(gamma, primaries, "lin_rec709")
+        assert np.abs(through(config, space, "lin_rec709") - wanted).max() < 1e-6
+    given = known_primaries("Rec.2020", "assumed")
+    write_config([tmp_path / "luts"], tmp_path / "given.ocio", primaries=given)
+    config = ocio.Config.CreateFromFile(str(tmp_path / "given.ocio"))
+    wanted = in_space(2.2, "Rec.2020", "lin_rec709")
+    assert np.abs(through(config, "facecrf_b", "lin_rec709") - wanted).max() < 1e-6
+
+
+@pytest.mark.parametrize("suffix", [".ocio", ".ocioz"])
+def test_a_context_variable_chooses_the_primaries_too(tmp_path, suffix):
+    calibrated(tmp_path / "luts", MIXED)
+    output = tmp_path / f"config{suffix}"
+    write_config([tmp_path / "luts"], output, form="variable", space="acescg")
+    shutil.rmtree(tmp_path / "luts")
+    config = ocio.Config.CreateFromFile(str(output))
+    context = copy.deepcopy(config.getCurrentContext())
+    for name, (gamma, primaries) in MIXED.items():
+        context["FACECRF_PHOTO"] = Path(name).stem
+        found = through(config, VARIABLE_SPACE, "ACEScg", context)
+        assert np.abs(found - in_space(gamma, primaries, "acescg")).max() < 1e-6
+    unset = through(config, VARIABLE_SPACE, "ACEScg")
+    assert np.abs(unset - through(config, "srgb", "ACEScg")).max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("space", "name"),
+    [
+        *(("acescg", "ACEScg"), ("lin_p3d65", "lin_p3d65"), ("aces2065-1", "ACES2065-1")),
+        ("lin_rec709", "lin_rec709"),
+    ],
+)
+def test_scene_linear_is_the_working_space_asked_for(tmp_path, space, name):
+    calibrated(tmp_path / "luts", MIXED)
+    write_config([tmp_path / "luts"], tmp_path / "config.ocio", space=space)
+    config = ocio.Config.CreateFromFile(str(tmp_path / "config.ocio"))
+    config.validate()
+    assert config.getRoleColorSpace("scene_linear") == name
+    wanted = in_space(2.2, "Display P3", space)
+    assert np.abs(through(config, "facecrf_b", "scene_linear") - wanted).max() < 1e-6
+    builtin = "ocio://cg-config-v1.0.0_aces-v1.3_ocio-v2.1"
+    with pytest.raises(SettingsError, match="leave --to acescg out"):
+        write_config([tmp_path / "luts"], tmp_path / "m.ocio", merge=builtin, space="acescg")
+
+
+def test_luts_that_encode_or_lead_to_a_working_space_are_known_as_such(tmp_path):
+    photos = {"b.jpg": (2.2, "Display P3")}
+    formats = ("acescg.clf", "encode.iridas.cube", "encode.cube")
+    calibrated(tmp_path / "one", photos, formats)
+    calibrated(tmp_path / "all", photos, (*formats, "iridas.cube", "clf"))
+    for folder, suffix in (("one", "clf"), ("all", "cube")):
+        for record in (True, False):
+            if not record:  # the names alone must tell, the primaries are not known then
+                (tmp_path / folder / "b.crf.json").unlink()
+            output = tmp_path / f"{folder}{record}.ocio"
+            _, *files = write_config([tmp_path / folder], output)
+            assert [file.name for file in files] == [f"facecrf_b.{suffix}"]
+            config = ocio.Config.CreateFromFile(str(output))
+            space, _ = config.getColorSpaceFromFilepath("/photos/b.png")
+            kept = "Display P3" if record or folder == "one" else None
+            wanted = in_space(2.2, kept, "lin_rec709")
+            assert np.abs(through(config, space, "scene_linear") - wanted).max() < 2e-6
+    with pytest.raises(
+        LutError, match=r"b\.encode\.cube: it encodes; name the LUT that linearizes"
+    ):
+        write_config([tmp_path / "all" / "b.encode.cube"], tmp_path / "c.ocio")
+
+
+def test_a_photos_own_name_is_not_taken_for_a_direction(tmp_path):
+    calibrated(tmp_path / "luts", {"b.encode.jpg": (2.2, None), "b.acescg.jpg": (2.4, None)})
+    write_config([tmp_path / "luts"], tmp_path / "config.ocio")
+    config = ocio.Config.CreateFromFile(str(tmp_path / "config.ocio"))
+    for name, gamma in (("b.encode.jpg", 2.2), ("b.acescg.jpg", 2.4)):
+        space, _ = config.getColorSpaceFromFilepath(f"/photos/{name}")
+        assert np.abs(through(config, space, "scene_linear") - expected(gamma)).max() < 1e-6
+
+
+@pytest.mark.parametrize("record", [True, False])
+def test_luts_of_an_archive_are_told_by_the_photos_full_names(tmp_path, record):
+    photos = {"a.jpg": (2.0, None), "a.png": (2.4, None)}
+    calibrated(tmp_path / "luts" / "sub", photos, stem=str)
+    if not record:
+        for path in (tmp_path / "luts" / "sub").glob("*.crf.json"):
+            path.unlink()
+    write_config([tmp_path / "luts"], tmp_path / "config.ocio")
+    config = ocio.Config.CreateFromFile(str(tmp_path / "config.ocio"))
+    for name, (gamma, _) in photos.items():
+        space, _ = config.getColorSpaceFromFilepath(f"/photos/sub/{name}")
+        assert np.abs(through(config, space, "scene_linear") - expected(gamma)).max() < 1e-6
+    assert config.getColorSpaceFromFilepath("/photos/sub/b.jpg")[0] == "default"
+
+
+CONFIGS = {
+    "spaces": {},
+    "variable": {"form": "variable"},
+    "acescg": {"space": "acescg"},
+    "cg": {"merge": "ocio://cg-config-v1.0.0_aces-v1.3_ocio-v2.1"},
+    "studio": {"merge": "ocio://studio-config-v1.0.0_aces-v1.3_ocio-v2.1", "form": "variable"},
+}
+
+
+@pytest.mark.parametrize("suffix", [".ocio", ".ocioz"])
+@pytest.mark.parametrize("name", CONFIGS)
+def test_ociocheck_has_nothing_to_say(tmp_path, name, suffix):
+    calibrated(tmp_path / "luts", MIXED)
+    for stem in ODD:
+        write_spi1d(tmp_path / "luts" / f"{stem}.spi1d", 2.2)
+    output = tmp_path / f"config{suffix}"
+    write_config([tmp_path / "luts"], output, **CONFIGS[name])
+    told = run_tool("ociocheck", "--iconfig", output)
+    assert "Validation: passed" in told
+    assert "WARNING" not in told
+    assert "ERROR" not in told
+    # Blender 5.0 reads none newer.
+    config = ocio.Config.CreateFromFile(str(output))
+    assert (config.getMajorVersion(), config.getMinorVersion()) <= (2, 4)
+
+
+def run_tool(name, *arguments):
+    """What a program that stands beside this Python tells."""
+    tool = Path(sys.executable).parent / name
+    if not tool.exists():
+        pytest.skip(f"no {name} beside this Python")
+    command = [str(tool), *map(str, arguments)]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    return ended.stdout + ended.stderr
+
+
+def config_space(folder, name):
+    config = ocio.Config.CreateFromFile(str(folder / "config.ocio"))
+    return config.getColorSpaceFromFilepath(f"/x/{name}")[0]
+
+
+@pytest.mark.parametrize(
+    ("space", "interop"), [("lin_rec709", "lin_rec709_scene"), ("acescg", "lin_ap1_scene")]
+)
+def test_oiiotool_finds_the_photos_space_if_asked_before_it_reads(tmp_path, space, interop):
+    oiio = pytest.importorskip("OpenImageIO")
+    calibrated(tmp_path / "luts", {"b.png": (3.0, "Display P3")})
+    write_config([tmp_path / "luts"], tmp_path / "config.ocio", space=space)
+    codes = np.random.default_rng(0).integers(0, 256, (8, 16, 3), np.uint8)
+    Image.fromarray(codes).save(tmp_path / "b.png")
+    start = ("--colorconfig", tmp_path / "config.ocio")
+    end = ("-d", "float", "-o", tmp_path / "b.exr")
+    run_tool("oiiotool", *start, "--autocc", tmp_path / "b.png", *end)
+    image = oiio.ImageBuf(str(tmp_path / "b.exr"))
+    primaries = known_primaries("Display P3", "ICC profile")
+    curve = np.interp(codes / 255, np.linspace(0, 1, 4096), np.linspace(0, 1, 4096) ** 3.0)
+    wanted = curve @ working_space_matrix(primaries, space).T
+    assert np.abs(image.get_pixels(oiio.FLOAT) - wanted).max() < 1e-5
+    assert image.spec().getattribute("colorInteropID") == interop
+    assert config_space(tmp_path, "b.exr") == "default"  # or --autocc would encode the output
+    # Behind the input's name it comes too late; the README says so.
+    run_tool("oiiotool", *start, tmp_path / "b.png", "--autocc", *end)
+    image = oiio.ImageBuf(str(tmp_path / "b.exr"))
+    assert np.abs(image.get_pixels(oiio.FLOAT) - wanted).max() > 0.05
+
+
 def test_names_differ_even_without_regard_to_case(tmp_path):
-    entries = name_luts([tmp_path / "A b.spi1d", tmp_path / "a_b.spi1d", tmp_path / "a$b.spi1d"])
+    entries = name_luts(
+        [PhotoLut(tmp_path / f"{stem}.spi1d", stem) for stem in ("A b", "a_b", "a$b")]
+    )
     assert len({entry.name.lower() for entry in entries}) == 3
 
 
@@ -170,3 +380,45 @@ def test_nothing_is_replaced_and_nothing_is_left_half_written(tmp_path):
     with pytest.raises(LutError, match="does not exist"):
         write_config([tmp_path / "none.spi1d"], tmp_path / "other.ocio")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["config.ocio", "config_luts", "in"]
+
+
+def test_a_folder_one_may_not_write_to_or_read_is_told():
+    with tempfile.TemporaryDirectory() as name:  # pytest's own folder is closed to others
+        top = Path(name)
+        top.chmod(0o755)
+        lut = write_spi1d(top / "in" / "p.spi1d", 2.2)
+        (top / "closed").mkdir(mode=0o555)
+        for suffix in (".ocio", ".ocioz"):
+            with without_privileges(), pytest.raises(OutputError, match="permission denied"):
+                write_config([lut], top / "closed" / f"config{suffix}")
+        assert not list((top / "closed").iterdir())
+        (top / "in").chmod(0o000)
+        with without_privileges(), pytest.raises(LutError, match="cannot be read: permission"):
+            write_config([lut], top / "config.ocio")
+        (top / "in").chmod(0o755)
+
+
+LIMITED = """
+import resource, sys
+from pathlib import Path
+from facecrf_ocio.errors import OutputError
+from facecrf_ocio.ocio_config import write_config
+resource.setrlimit(resource.RLIMIT_FSIZE, (10000, 10000))
+try:
+    write_config([Path(sys.argv[1])], Path(sys.argv[2]))
+except OutputError as error:
+    print(error)
+"""
+
+
+@pytest.mark.parametrize("suffix", [".ocio", ".ocioz"])
+def test_a_write_that_the_system_cuts_short_leaves_nothing(tmp_path, suffix):
+    pytest.importorskip("resource")
+    lut = write_spi1d(tmp_path / "in" / "p.spi1d", 2.2)
+    (tmp_path / "out").mkdir()
+    output = tmp_path / "out" / f"config{suffix}"
+    command = [sys.executable, "-c", LIMITED, str(lut), str(output)]
+    ended = subprocess.run(command, check=True, capture_output=True, text=True)
+    assert ended.stdout.count("\n") == 1
+    assert f"config{suffix}: no room to prepare it (File too large)" in ended.stdout
+    assert not list((tmp_path / "out").iterdir())

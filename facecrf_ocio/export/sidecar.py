@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from facecrf_ocio.values import (
 SCHEMA = "facecrf sidecar"
 SCHEMA_VERSION = 1
 SUFFIX = ".crf.json"
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,11 +147,26 @@ def read_sidecar(path: Path) -> Sidecar:
     LutError
         If the file cannot be read, is no sidecar, or comes from a newer version.
     """
+    return _read(path, _sidecar)
+
+
+def read_source(path: Path) -> tuple[Source, tuple[str, ...]]:
+    """Read only what photo a record is of, and which LUTs were written with it.
+
+    Raises
+    ------
+    LutError
+        As `read_sidecar` does.
+    """
+    return _read(path, lambda record: (_read_source(record["source"]), tuple(record["luts"])))
+
+
+def _read(path: Path, parse: Callable[[Any], _T]) -> _T:
     path = Path(path)
     try:
         record = strict_json.load(path.read_bytes())
         _require_schema(record, path)
-        return _sidecar(record)
+        return parse(record)
     except OSError as error:
         raise LutError(
             f"{path}: cannot be read: {(error.strerror or str(error)).lower()}"

@@ -22,6 +22,13 @@ WORKING_SPACES: dict[str, tuple[_XY, _XY, _XY, _XY]] = {
 }
 
 
+def working_primaries(name: str) -> Primaries:
+    """Primaries of a working space, named as it; SettingsError if it is not known."""
+    if name not in WORKING_SPACES:
+        raise SettingsError(f"no working space {name!r}; known: {', '.join(WORKING_SPACES)}")
+    return Primaries(name, *WORKING_SPACES[name], "working space")
+
+
 def working_space_matrix(primaries: Primaries | None, name: str) -> npt.NDArray[np.float64]:
     """Matrix from linear RGB of the given primaries to a working space.
 
@@ -45,9 +52,8 @@ def working_space_matrix(primaries: Primaries | None, name: str) -> npt.NDArray[
     SettingsError
         If the working space is not known, or the primaries span no color space.
     """
-    if name not in WORKING_SPACES:
-        raise SettingsError(f"no working space {name!r}; known: {', '.join(WORKING_SPACES)}")
-    *target, target_white = WORKING_SPACES[name]
+    space = working_primaries(name)
+    target, target_white = [space.red, space.green, space.blue], space.white
     if primaries is None:
         *source, source_white = KNOWN_PRIMARIES["Rec.709"]
     else:

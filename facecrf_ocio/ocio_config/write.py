@@ -1,8 +1,7 @@
-"""OpenColorIO configs that hold the curves of many photos."""
+"""Writing a config of many photos' LUTs, or adding them to another."""
 
 from __future__ import annotations
 
-import re
 import tempfile
 from collections.abc import Sequence
 from contextlib import suppress
@@ -11,12 +10,19 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+import numpy.typing as npt
 import PyOpenColorIO as ocio  # noqa: N813
 
 from facecrf_ocio.errors import LutError, OutputError, SettingsError
 from facecrf_ocio.export.atomic import Draft, require_free, write_files
-from facecrf_ocio.export.working_space import WORKING_SPACES, working_space_matrix
-from facecrf_ocio.lut_file import lut_processor
+from facecrf_ocio.export.working_space import (
+    WORKING_SPACES,
+    working_primaries,
+    working_space_matrix,
+)
+from facecrf_ocio.ocio_config.entries import Entry, name_luts, safe
+from facecrf_ocio.ocio_config.find import PhotoLut, find_luts
+from facecrf_ocio.ocio_config.own import REFERENCE, matrix_transform, own_config
 from facecrf_ocio.values import Primaries
 
 Form = Literal["auto", "spaces", "variable"]
@@ -26,17 +32,7 @@ MOST_SPACES = 500
 VARIABLE = "FACECRF_PHOTO"
 VARIABLE_SPACE = "facecrf_photo"
 DEFAULT_PHOTO = "facecrf_default_srgb"
-_SUFFIXES = (".spi1d", ".cube", ".clf", ".ctf", ".csp")
 _NEWEST_PROFILE = (2, 4)  # Blender 5.0 reads none newer
-
-
-@dataclass(frozen=True, slots=True)
-class Entry:
-    """One LUT of a config: its file, its name in the config, and the photos it is for."""
-
-    lut: Path
-    name: str
-    pattern: str
 
 
 def write_config(
@@ -46,6 +42,7 @@ def write_config(
     form: Form = "auto",
     merge: str | None = None,
     reference: str | None = None,
+    space: str | None = None,
     primaries: Primaries | None = None,
     overwrite: bool = False,
 ) -> tuple[Path, ...]:
@@ -54,8 +51,8 @@ def write_config(
     Parameters
     ----------
     luts
-        LUT files, or folders of them (of a photo's several formats the first of .spi1d, .cube,
-        .clf, .ctf, .csp counts).
+        LUT files, or folders of them; see `find.find_luts`. The records beside them tell the
+        photos' names and primaries.
     output
         Named .ocio, or .ocioz for an archive with the LUTs inside.
     form
@@ -66,9 +63,12 @@ def write_config(
         A config to extend: a file, or `ocio://NAME` of a built-in one.
     reference
         Scene reference of that config, one of `WORKING_SPACES`; None takes it from the role
-        `aces_interchange`. Without `merge`, `lin_rec709` is meant.
+        `aces_interchange`.
+    space
+        Working space, one of `WORKING_SPACES`, that the role `scene_linear` shall be; None stands
+        for `lin_rec709`. A config to extend keeps its own.
     primaries
-        Of the photos; None stands for Rec.709.
+        Of all photos; None takes each photo's own where its record tells, else Rec.709.
     overwrite
         Replace existing files.
 
@@ -90,73 +90,18 @@ def write_config(
     if output.suffix.lower() not in (".ocio", ".ocioz"):
         raise OutputError(f"{output}: is not named as a config; give it .ocio or .ocioz")
     require_free(output, overwrite=overwrite)
-    base = _base(merge, output)
-    entries = name_luts(find_luts(luts), taken=tuple(base.getColorSpaceNames()))
-    folder = f"{_safe(output.stem)}_luts"
+    base = _base(merge, space, output)
+    taken = (*base.getColorSpaceNames(), VARIABLE_SPACE, DEFAULT_PHOTO)
+    entries = name_luts(find_luts(luts), taken)
+    folder = f"{safe(output.stem)}_luts"
     base.addSearchPath(folder)
-    to_reference = _to_reference(base, reference if merge else "lin_rec709", primaries)
-    files = {f"{entry.name}{entry.lut.suffix.lower()}": _content(entry.lut) for entry in entries}
+    chain = _chain(base, reference if merge else REFERENCE, primaries)
+    files = {entry.file: _content(entry.lut.path) for entry in entries}
     if form == "variable" or (form == "auto" and len(entries) > MOST_SPACES):
-        files[f"{DEFAULT_PHOTO}.spi1d"] = _srgb_table()
-        _add_variable(base, entries, to_reference)
+        files |= _add_variable(base, entries, chain)
     else:
-        _add_spaces(base, entries, to_reference)
+        _add_spaces(base, entries, chain)
     return _write(base, output, folder, files, overwrite)
-
-
-def find_luts(paths: Sequence[Path]) -> tuple[Path, ...]:
-    """LUT files among files and folders; LutError if one is missing or none is left."""
-    found: dict[Path, None] = {}
-    for path in map(Path, paths):
-        if path.is_dir():
-            best: dict[Path, Path] = {}
-            for suffix in reversed(_SUFFIXES):
-                best |= {
-                    lut.with_suffix(""): lut
-                    for lut in path.rglob("*")
-                    if lut.suffix.lower() == suffix and lut.is_file()
-                }
-            found |= dict.fromkeys(best[stem] for stem in sorted(best))
-        else:
-            found[path] = None
-    if not found:
-        raise LutError(f"{', '.join(map(str, paths))}: no LUT; name a LUT or a folder of them")
-    for lut in found:
-        lut_processor(lut)
-    return tuple(found)
-
-
-def name_luts(luts: Sequence[Path], *, taken: Sequence[str] = ()) -> tuple[Entry, ...]:
-    """Give each LUT a name OpenColorIO takes, and a pattern (regular expression) of its photos.
-
-    Photos of one name in several folders are told apart by their folder's name, as that of the
-    LUT.
-    """
-    stems = [lut.stem for lut in luts]
-    used = {name.casefold() for name in taken} | {VARIABLE_SPACE, DEFAULT_PHOTO}
-    entries = []
-    for lut in luts:
-        shared = stems.count(lut.stem) > 1
-        parent = lut.resolve().parent.name
-        wanted = "facecrf_" + _safe(f"{parent}_{lut.stem}" if shared else lut.stem)
-        name, number = wanted, 2
-        while name.casefold() in used:
-            name, number = f"{wanted}_{number}", number + 1
-        used.add(name.casefold())
-        folder = _literal(parent) + r"[/\\]" if shared else ""
-        pattern = rf"(.*[/\\])?{folder}{_literal(lut.stem)}\.[A-Za-z0-9]+"
-        entries.append(Entry(lut, name, pattern))
-    return tuple(entries)
-
-
-def _safe(text: str) -> str:
-    """Without what OpenColorIO, shells or file systems give a meaning; letters of any script."""
-    return re.sub(r"[^\w.-]", "_", text)[:60]
-
-
-def _literal(text: str) -> str:
-    # `re.escape` also escapes what ECMAScript's expressions forbid to be, such as a space.
-    return re.sub(r"([\\^$.|?*+()\[\]{}/])", r"\\\1", text)
 
 
 def _content(lut: Path) -> bytes:
@@ -166,9 +111,11 @@ def _content(lut: Path) -> bytes:
         raise LutError(f"{lut}: cannot be read ({error.strerror}); check the file") from error
 
 
-def _base(merge: str | None, output: Path) -> Any:
+def _base(merge: str | None, space: str | None, output: Path) -> Any:
     if merge is None:
-        return _own_config()
+        return own_config(space or REFERENCE)
+    if space is not None:
+        raise SettingsError(f"{merge}: has a working space of its own; leave --to {space} out")
     if not merge.startswith("ocio://") and output.suffix.lower() == ".ocioz":
         raise SettingsError(f"{merge}: files it refers to cannot be packed; write a .ocio instead")
     try:
@@ -197,103 +144,120 @@ def _keep_paths(config: Any, home: Path, target: Path) -> None:
         config.addSearchPath(path if variable else str(home / path))
 
 
-def _own_config() -> Any:
-    config = ocio.Config()
-    config.setVersion(2, 1)
-    config.setDescription("Curves from code values to scene-linear light, made by facecrf.")
-    curve = ocio.ExponentWithLinearTransform(
-        gamma=[2.4, 2.4, 2.4, 1.0],
-        offset=[0.055, 0.055, 0.055, 0.0],
-        direction=ocio.TransformDirection.TRANSFORM_DIR_INVERSE,
-    )
-    aces = _matrix(np.linalg.inv(working_space_matrix(None, "aces2065-1")))
-    config.addColorSpace(ocio.ColorSpace(name="lin_rec709", encoding="scene-linear"))
-    config.addColorSpace(
-        ocio.ColorSpace(name="ACES2065-1", encoding="scene-linear", toReference=aces)
-    )
-    config.addColorSpace(ocio.ColorSpace(name="srgb", encoding="sdr-video", fromReference=curve))
-    config.addColorSpace(ocio.ColorSpace(name="raw", isData=True, encoding="data"))
-    for role, space in {
-        "default": "raw",
-        "data": "raw",
-        "reference": "lin_rec709",
-        "scene_linear": "lin_rec709",
-        "aces_interchange": "ACES2065-1",
-        "color_picking": "srgb",
-        "texture_paint": "srgb",
-        "color_timing": "srgb",
-        "compositing_log": "srgb",
-        "matte_paint": "srgb",
-    }.items():
-        config.setRole(role, space)
-    config.addDisplayView("sRGB", "sRGB", "srgb")
-    config.addDisplayView("sRGB", "Raw", "raw")
-    config.setActiveDisplays("sRGB")
-    config.setActiveViews("sRGB, Raw")
-    return config
+@dataclass(frozen=True, slots=True)
+class _Chain:
+    """What leads from a LUT's output to the config's reference.
+
+    Attributes
+    ----------
+    target
+        Working space that a matrix leads to.
+    rest
+        Transforms from there.
+    primaries
+        Of all photos, if given.
+    """
+
+    target: str
+    rest: tuple[Any, ...]
+    primaries: Primaries | None
+
+    def matrix(self, lut: PhotoLut) -> npt.NDArray[np.float64]:
+        """(3, 3) from a LUT's linear RGB to the target."""
+        if lut.space:
+            return working_space_matrix(working_primaries(lut.space), self.target)
+        return working_space_matrix(self.primaries or lut.primaries, self.target)
+
+    def steps(self, lut: PhotoLut) -> list[Any]:
+        """All transforms that follow a LUT."""
+        return [*_unless_identity(self.matrix(lut)), *self.rest]
 
 
-def _to_reference(config: Any, reference: str | None, primaries: Primaries | None) -> list[Any]:
-    """What leads from the photo's linear RGB to the config's reference."""
+def _chain(config: Any, reference: str | None, primaries: Primaries | None) -> _Chain:
     if reference is not None:
         if reference not in WORKING_SPACES:
             raise SettingsError(f"no reference {reference!r}; known: {', '.join(WORKING_SPACES)}")
-        return _unless_identity(working_space_matrix(primaries, reference))
+        return _Chain(reference, (), primaries)
     space = config.getColorSpace("aces_interchange")
     if space is None:
         raise SettingsError("the config has no role aces_interchange; pass --reference")
-    steps = _unless_identity(working_space_matrix(primaries, "aces2065-1"))
     forward = space.getTransform(ocio.ColorSpaceDirection.COLORSPACE_DIR_TO_REFERENCE)
     backward = space.getTransform(ocio.ColorSpaceDirection.COLORSPACE_DIR_FROM_REFERENCE)
+    rest: tuple[Any, ...] = ()
     if forward is not None:
-        return [*steps, forward]
-    if backward is not None:
+        rest = (forward,)
+    elif backward is not None:
         inverse = ocio.TransformDirection.TRANSFORM_DIR_INVERSE
-        return [*steps, ocio.GroupTransform([backward], inverse)]
-    return steps
+        rest = (ocio.GroupTransform([backward], inverse),)
+    return _Chain("aces2065-1", rest, primaries)
 
 
 def _unless_identity(matrix: Any) -> list[Any]:
-    return [] if np.array_equal(matrix, np.eye(3)) else [_matrix(matrix)]
+    return [] if np.array_equal(matrix, np.eye(3)) else [matrix_transform(matrix)]
 
 
-def _matrix(matrix: Any) -> Any:
-    full = np.eye(4)
-    full[:3, :3] = matrix
-    return ocio.MatrixTransform(matrix=full.ravel().tolist())
-
-
-def _space(name: str, source: str, steps: list[Any], description: str) -> Any:
-    file = ocio.FileTransform(src=source, interpolation=ocio.Interpolation.INTERP_LINEAR)
+def _add_space(
+    config: Any, name: str, files: Sequence[str], steps: list[Any], description: str
+) -> None:
+    linear = ocio.Interpolation.INTERP_LINEAR
+    sources = [ocio.FileTransform(src=file, interpolation=linear) for file in files]
     space = ocio.ColorSpace(
         name=name, family="facecrf", encoding="sdr-video", description=description
     )
     space.setTransform(
-        ocio.GroupTransform([file, *steps]), ocio.ColorSpaceDirection.COLORSPACE_DIR_TO_REFERENCE
+        ocio.GroupTransform([*sources, *steps]),
+        ocio.ColorSpaceDirection.COLORSPACE_DIR_TO_REFERENCE,
     )
-    return space
+    if _has_categories(config):  # applications that filter by them would hide it
+        space.addCategory("file-io")
+    config.addColorSpace(space)
 
 
-def _add_spaces(config: Any, entries: Sequence[Entry], steps: list[Any]) -> None:
+def _has_categories(config: Any) -> bool:
+    first = next(iter(config.getColorSpaces()), None)
+    return first is not None and any(first.getCategories())
+
+
+def _add_spaces(config: Any, entries: Sequence[Entry], chain: _Chain) -> None:
+    for entry in entries:
+        text = "One photo, by its own curve."
+        _add_space(config, entry.name, [entry.file], chain.steps(entry.lut), text)
+    # Before the config's own rules, of which one for all JPEGs would hide these; and first those
+    # that ask for most, since folder/a.jpg is an a.jpg, too.
     rules = config.getFileRules()
-    for index, entry in enumerate(entries):
-        source = f"{entry.name}{entry.lut.suffix.lower()}"
-        config.addColorSpace(_space(entry.name, source, steps, "One photo, by its own curve."))
-        # Before the config's own rules, of which one for all JPEGs would hide these.
+    for index, entry in enumerate(sorted(entries, key=lambda entry: -entry.folders)):
         rules.insertRule(index, entry.name, entry.name, entry.pattern)
     config.setFileRules(rules)
 
 
-def _add_variable(config: Any, entries: Sequence[Entry], steps: list[Any]) -> None:
-    others = {entry.lut.suffix.lower() for entry in entries} - {".spi1d"}
+def _add_variable(config: Any, entries: Sequence[Entry], chain: _Chain) -> dict[str, bytes]:
+    """Add one space for all photos; return the files it needs besides their LUTs."""
+    others = {entry.lut.path.suffix.lower() for entry in entries} - {".spi1d"}
     if others:
         raise SettingsError(f"the variable form takes .spi1d only, not {', '.join(sorted(others))}")
     if VARIABLE_SPACE in config.getColorSpaceNames():
         raise SettingsError(f"the config has a color space {VARIABLE_SPACE} already; merge once")
     config.addEnvironmentVar(VARIABLE, DEFAULT_PHOTO.removeprefix("facecrf_"))
+    more = {f"{DEFAULT_PHOTO}.spi1d": _srgb_table()}
     # A name that began with the variable could not be archived.
+    names = [f"facecrf_${{{VARIABLE}}}.spi1d"]
+    matrices = {entry.name: chain.matrix(entry.lut) for entry in entries}
+    common = matrices[entries[0].name]
+    steps = [*_unless_identity(common), *chain.rest]
+    if any(not np.array_equal(matrix, common) for matrix in matrices.values()):
+        names.append(f"facecrf_${{{VARIABLE}}}.spimtx")
+        matrices[DEFAULT_PHOTO] = working_space_matrix(None, chain.target)
+        more |= {f"{name}.spimtx": _spimtx(matrix) for name, matrix in matrices.items()}
+        steps = [*chain.rest]
     text = f"The photo whose LUT the context variable {VARIABLE} names; sRGB while it is not set."
-    config.addColorSpace(_space(VARIABLE_SPACE, f"facecrf_${{{VARIABLE}}}.spi1d", steps, text))
+    _add_space(config, VARIABLE_SPACE, names, steps, text)
+    return more
+
+
+def _spimtx(matrix: npt.NDArray[np.float64]) -> bytes:
+    """A matrix, with offsets of 0, as Sony Pictures Imageworks has it."""
+    rows = "".join(f"{r:.17g} {g:.17g} {b:.17g} 0\n" for r, g, b in matrix.tolist())
+    return rows.encode()
 
 
 def _srgb_table() -> bytes:

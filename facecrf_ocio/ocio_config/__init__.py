@@ -1,0 +1,25 @@
+"""OpenColorIO configs that hold the curves of many photos."""
+
+from facecrf_ocio.ocio_config.entries import Entry, name_luts
+from facecrf_ocio.ocio_config.find import PhotoLut, find_luts
+from facecrf_ocio.ocio_config.write import (
+    DEFAULT_PHOTO,
+    MOST_SPACES,
+    VARIABLE,
+    VARIABLE_SPACE,
+    Form,
+    write_config,
+)
+
+__all__ = [
+    "DEFAULT_PHOTO",
+    "MOST_SPACES",
+    "VARIABLE",
+    "VARIABLE_SPACE",
+    "Entry",
+    "Form",
+    "PhotoLut",
+    "find_luts",
+    "name_luts",
+    "write_config",
+]
