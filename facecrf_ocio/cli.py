@@ -22,6 +22,7 @@ from facecrf_ocio.cli_options import (
     Choices,
     estimation_options,
     exr_options,
+    space_option,
 )
 from facecrf_ocio.cli_pair import pair
 from facecrf_ocio.cli_terminal import (
@@ -56,9 +57,12 @@ main.add_command(verify)
 @main.command()
 @click.argument("photo", type=PHOTO_PATH)
 @exr_options
+@space_option("the EXR is tagged as such")
 @estimation_options
 @ending_well
-def linearize(photo: Path, output: Path, half: bool, compression: str, **choices: Any) -> int:
+def linearize(
+    photo: Path, output: Path, half: bool, compression: str, space: str | None, **choices: Any
+) -> int:
     """Calibrate PHOTO and write it as a scene-linear EXR."""
     chosen = Choices(**choices)
     _require_exr_free(output, overwrite=chosen.overwrite)
@@ -73,6 +77,7 @@ def linearize(photo: Path, output: Path, half: bool, compression: str, **choices
                     output,
                     source,
                     estimate,
+                    space=space or "",
                     half=half,
                     compression=compression,
                     overwrite=chosen.overwrite,

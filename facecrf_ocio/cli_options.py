@@ -138,19 +138,21 @@ def direction_options(command: Callable[..., Any]) -> Callable[..., Any]:
             show_default=True,
             help="From code values to linear light, back (NAME.encode.clf), or a file for each.",
         ),
-        click.option(
-            "--to",
-            "space",
-            type=click.Choice(SPACE_NAMES),
-            help=(
-                "Go on to a working space by the photo's primaries; clf and ctf only "
-                "(NAME.acescg.clf)."
-            ),
-        ),
+        space_option("clf and ctf only (NAME.acescg.clf)"),
     )
     for option in reversed(options):
         command = option(command)
     return command
+
+
+def space_option(how: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Return the option `--to`; `how` says what it means to the files written."""
+    return click.option(
+        "--to",
+        "space",
+        type=click.Choice(SPACE_NAMES),
+        help=f"Go on to a working space by the photo's primaries; {how}.",
+    )
 
 
 def exr_options(command: Callable[..., Any]) -> Callable[..., Any]:

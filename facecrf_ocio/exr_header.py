@@ -19,6 +19,8 @@ _INTEROP_ID = {
     "Display P3": "lin_p3d65_scene",
     "Rec.2020": "lin_rec2020_scene",
     "Adobe RGB": "lin_adobergb_scene",
+    "AP1": "lin_ap1_scene",
+    "AP0": "lin_ap0_scene",
 }
 # What the source says of its own encoding, layout and upbringing, none of which is true of the
 # EXR: its pixels are linear, upright and in other types. Maker notes hold offsets into the source.

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import cv2
+import numpy as np
+
 from facecrf_ocio import __version__
-from facecrf_ocio.apply import linear_rows, write_exr
+from facecrf_ocio.apply import Pixels, Rows, linear_rows, write_exr
+from facecrf_ocio.export.working_space import working_primaries, working_space_matrix
 from facecrf_ocio.lookup import curve_lookup
 from facecrf_ocio.values import Estimate, Photo
 
@@ -15,11 +20,15 @@ def write_linear(
     photo: Photo,
     estimate: Estimate,
     *,
+    space: str = "",
     half: bool = True,
     compression: str = "zip",
     overwrite: bool = False,
 ) -> Path:
     """Send a photo through its estimated curve and write the result; see `apply.write_exr`.
+
+    With `space`, one of `export.working_space.WORKING_SPACES`, a matrix from the photo's primaries
+    (Rec.709 where they are not known) follows the curve.
 
     Raises
     ------
@@ -35,13 +44,30 @@ def write_linear(
     }
     if estimate.confidence is not None:
         provenance["confidence"] = str(estimate.confidence.verdict)
-    rows = linear_rows(photo, curve_lookup(estimate.curve), half=half)
+    # A matrix wants more than half floats of what it is given.
+    rows = linear_rows(photo, curve_lookup(estimate.curve), half=half and not space)
+    linear: Pixels | Rows = photo.encoded if photo.scene_linear else rows
+    if space:
+        linear, photo = _in_space(linear, photo, space)
     return write_exr(
         path,
-        photo.encoded if photo.scene_linear else rows,
+        linear,
         photo,
         provenance=provenance,
         half=half,
         compression=compression,
         overwrite=overwrite,
     )
+
+
+def _in_space(linear: Pixels | Rows, photo: Photo, space: str) -> tuple[Rows, Photo]:
+    """Rows in a working space, and the photo as if its primaries were that space's."""
+    matrix = working_space_matrix(photo.primaries, space)
+
+    def rows(begin: int, end: int) -> Pixels:
+        band = linear(begin, end) if callable(linear) else linear[begin:end]
+        return np.asarray(cv2.transform(band, matrix))
+
+    before = "assumed Rec.709" if photo.primaries is None else photo.primaries.name
+    primaries = replace(working_primaries(space), source=f"conversion from {before}")
+    return rows, replace(photo, primaries=primaries)

@@ -14,7 +14,15 @@ import OpenImageIO as oiio  # noqa: N813
 import pytest
 from command_line import CODE, CommandLine, names_in, write_noise
 from face_photos import grace_hopper
-from photo_files import oiiotool, pixels_of, random_codes, write, write_dng, write_spi1d
+from photo_files import (
+    matrix_profile,
+    oiiotool,
+    pixels_of,
+    random_codes,
+    write,
+    write_dng,
+    write_spi1d,
+)
 from PIL import Image
 
 from facecrf_ocio import __version__, read_photo
@@ -23,6 +31,8 @@ from facecrf_ocio.cli_options import COMPRESSIONS
 from facecrf_ocio.errors import OutputError
 from facecrf_ocio.export import FORMATS, read_sidecar
 from facecrf_ocio.export.atomic import Draft
+from facecrf_ocio.export.working_space import WORKING_SPACES, working_space_matrix
+from facecrf_ocio.profile import KNOWN_PRIMARIES
 
 DONE, FAILED, USAGE, UNREADABLE, NOTHING = range(5)
 ALL = {"a.spi1d", "a.cube", "a.clf", "a.crf.json"}
@@ -349,6 +359,49 @@ class TestLinearize:
             "version": __version__,
             "primaries": "assumed Rec.709",
         }
+
+    @pytest.mark.parametrize(
+        ("space", "interop"),
+        [
+            ("acescg", "lin_ap1_scene"),
+            ("lin_p3d65", "lin_p3d65_scene"),
+            ("lin_rec709", "lin_rec709_scene"),
+            ("aces2065-1", "lin_ap0_scene"),
+        ],
+    )
+    @pytest.mark.parametrize("form", ["--half", "--float"])
+    def test_goes_on_to_a_working_space_and_says_so(
+        self, facecrf: CommandLine, tmp_path: Path, out: Path, form: str, space: str, interop: str
+    ) -> None:
+        photo, exr = tmp_path / "a.png", tmp_path / "a.exr"
+        icc = matrix_profile(*KNOWN_PRIMARIES["Adobe RGB"])
+        Image.fromarray(random_codes()).save(photo, icc_profile=icc)
+        options = ("--to", space, *BLIND)
+        assert facecrf("linearize", photo, "-o", exr, form, *options).code == DONE
+        command = ("calibrate", photo, "-o", out, "--formats", "clf", *options)
+        assert facecrf(*command).code == DONE
+        expected = oiiotool(photo, out / f"a.{space}.clf", tmp_path / "b.exr")
+        rounding = 2**-10 if form == "--half" else 1e-5
+        assert np.allclose(pixels_of(exr), expected, rtol=rounding, atol=1e-6)
+        header = oiio.ImageBuf(str(exr)).spec()
+        assert header.get_string_attribute("colorInteropID") == interop
+        assert header.get_string_attribute("oiio:ColorSpace") == interop
+        xy = np.array(header.getattribute("chromaticities")).reshape(4, 2)
+        assert np.allclose(xy, WORKING_SPACES[space])
+        said = header.get_string_attribute("facecrf:primaries")
+        assert said.endswith("by conversion from Adobe RGB")
+
+    def test_a_working_space_keeps_alpha(self, facecrf: CommandLine, tmp_path: Path) -> None:
+        photo, plain, exr = tmp_path / "a.png", tmp_path / "a.exr", tmp_path / "b.exr"
+        codes = np.random.default_rng(0).integers(1, 256, (9, 7, 4), np.uint8)
+        Image.fromarray(codes).save(photo)
+        assert facecrf("linearize", photo, "-o", plain, "--float", *BLIND).code == DONE
+        options = ("--float", "--to", "acescg", *BLIND)
+        assert facecrf("linearize", photo, "-o", exr, *options).code == DONE
+        before, after = pixels_of(plain), pixels_of(exr)
+        matrix = working_space_matrix(None, "acescg")
+        assert np.array_equal(after[..., 3], before[..., 3])
+        assert np.allclose(after[..., :3], before[..., :3] @ matrix.T, rtol=0, atol=1e-6)
 
     @pytest.mark.parametrize(("option", "kind"), [("--half", oiio.HALF), ("--float", oiio.FLOAT)])
     def test_half_or_float(

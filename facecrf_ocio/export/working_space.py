@@ -11,6 +11,12 @@ from facecrf_ocio.values import Primaries
 
 ACES_WHITE = (0.32168, 0.33767)
 _XY = tuple[float, float]
+_NAMES = {
+    "acescg": "AP1",
+    "lin_rec709": "Rec.709",
+    "lin_p3d65": "Display P3",
+    "aces2065-1": "AP0",
+}
 
 # Red, green, blue, white as published: SMPTE ST 2065-1 (AP0), Academy S-2014-004 (AP1),
 # ITU-R BT.709, SMPTE EG 432-1.
@@ -23,10 +29,10 @@ WORKING_SPACES: dict[str, tuple[_XY, _XY, _XY, _XY]] = {
 
 
 def working_primaries(name: str) -> Primaries:
-    """Primaries of a working space, named as it; SettingsError if it is not known."""
+    """Primaries of a working space; SettingsError if it is not known."""
     if name not in WORKING_SPACES:
         raise SettingsError(f"no working space {name!r}; known: {', '.join(WORKING_SPACES)}")
-    return Primaries(name, *WORKING_SPACES[name], "working space")
+    return Primaries(_NAMES[name], *WORKING_SPACES[name], "working space")
 
 
 def working_space_matrix(primaries: Primaries | None, name: str) -> npt.NDArray[np.float64]:

@@ -48,10 +48,11 @@ def name_luts(luts: Sequence[PhotoLut], taken: Sequence[str] = ()) -> tuple[Entr
     alike: dict[str, list[PhotoLut]] = {}
     for lut in luts:
         alike.setdefault(lut.stem, []).append(lut)
+    depths = {stem: _depth(group) for stem, group in alike.items()}
     used = {name.casefold() for name in taken}
     entries = []
     for lut in luts:
-        depth = _depth(alike[lut.stem])
+        depth = depths[lut.stem]
         folders = lut.folders[-depth:] if depth else ()
         wanted = "facecrf_" + safe("_".join((*folders, lut.stem)))
         name, number = wanted, 2
