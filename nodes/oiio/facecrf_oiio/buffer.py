@@ -1,0 +1,232 @@
+"""An ImageBuf through a LUT."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import OpenImageIO as oiio  # noqa: N813
+
+from facecrf_ocio.errors import PhotoError, SettingsError
+from facecrf_ocio.exr_header import still_holds, tag_color_space, tag_primaries
+from facecrf_ocio.lookup import Lookup, cores
+from facecrf_ocio.lut_file import lut_lookup
+from facecrf_ocio.profile import known_primaries
+from facecrf_ocio.read import alpha_channel, color_channels, icc_profile, primaries_of
+from facecrf_ocio.values import Primaries
+
+_BAND = 1 << 17  # [pixel]
+_LINEAR = (oiio.HALF, oiio.FLOAT)
+_GRAY = ("Y", "I", "L", "GRAY", "LUMINANCE")
+_AS_THEY_ARE = (oiio.UINT8, oiio.UINT16, oiio.HALF)
+_KEPT = {"Orientation", "compression"}  # true here, since nothing is turned
+
+
+def linearize(
+    image: oiio.ImageBuf,
+    lut: str | Path | Lookup,
+    *,
+    dtype: Any = oiio.HALF,
+    roi: oiio.ROI | None = None,
+    unpremult: bool | None = None,
+    colorspace: str = "auto",
+    out: oiio.ImageBuf | None = None,
+) -> oiio.ImageBuf:
+    """Send an image's colors through a LUT.
+
+    Parameters
+    ----------
+    image
+        Of any pixel type but deep; not changed.
+    lut
+        A LUT file, or what `facecrf_ocio.lut_file.lut_lookup` made of it.
+    dtype
+        `OpenImageIO.HALF` or `OpenImageIO.FLOAT`. In half, colors are clamped to 65504.
+    roi
+        Region to compute, in pixels; what lies outside of the image is left out. Colors beyond its
+        channels keep their values. The whole image by default.
+    unpremult
+        Whether colors are multiplied by alpha. By default they are if there is an alpha channel
+        and the image does not say `oiio:UnassociatedAlpha`. They are so in the result as well.
+    colorspace
+        What to tag the result with; `auto` is linear light of the source's primaries, or `unknown`
+        where those are not known or the LUT mixes channels.
+    out
+        A half or float image to write into instead of making one. It must hold the region and have
+        as many channels.
+
+    Returns
+    -------
+    OpenImageIO.ImageBuf
+        The region; `out` if that was given. All channels are there.
+
+    Raises
+    ------
+    PhotoError
+        If the image cannot be read, is deep, or has neither R, G and B nor one gray channel.
+    LutError
+        If the LUT cannot be read, or gives NaN or infinities.
+    SettingsError
+        If the region or `out` does not fit the image.
+    """
+    name = Path(image.name or "ImageBuf")
+    _require_pixels(image, name)
+    lookup = lut if isinstance(lut, Lookup) else lut_lookup(lut)
+    spec = image.spec()
+    region = _region(image, roi)
+    color, alpha = color_of(spec, name), alpha_channel(spec)
+    if unpremult is None:
+        unpremult = not spec.get_int_attribute("oiio:UnassociatedAlpha")
+    color_space = _color_space(colorspace, spec, lookup)
+    if dtype not in _LINEAR:
+        raise SettingsError(f"linear light needs half or float, not {dtype}")
+    if out is None:
+        result = oiio.ImageBuf(_header(spec, region, dtype))
+    else:
+        result = _fitting(out, region, spec.nchannels)
+    _tag(result.specmod(), color_space)
+    kind = spec.format.basetype if spec.format.basetype in _AS_THEY_ARE else oiio.FLOAT
+    wanted = range(region.chbegin, region.chend)
+    untouched = [channel for channel in color if roi is not None and channel not in wanted]
+    region.chbegin, region.chend = 0, spec.nchannels
+    half = result.spec().format.basetype == oiio.HALF
+
+    def work(band: oiio.ROI) -> None:
+        pixels = image.get_pixels(kind, band)
+        linear = lookup.apply(
+            pixels.reshape(band.height, band.width, spec.nchannels),
+            dtype="float16" if half else "float32",
+            color=color,
+            alpha=alpha if unpremult else None,
+        )
+        if untouched:
+            linear[..., untouched] = image.get_pixels(oiio.FLOAT, band)[..., untouched]
+        if not result.set_pixels(band, linear):
+            raise PhotoError(name, f"cannot be worked on ({result.geterror()})", "free some memory")
+
+    with ThreadPoolExecutor(cores()) as threads:
+        for done in [threads.submit(work, band) for band in _bands(region)]:
+            done.result()
+    return result
+
+
+def color_of(spec: oiio.ImageSpec, name: Path) -> list[int]:
+    """Indices of R, G and B, or of one gray channel.
+
+    Raises
+    ------
+    PhotoError
+        If there are neither: depth, normals and other channels that are no color.
+    """
+    channels = color_channels(name, spec)
+    only = spec.channelnames[channels[0]]
+    if len(channels) == 1 and only.rpartition(".")[2].upper() not in _GRAY:
+        problem = f"has no R, G and B and no gray, but the channel {only}"
+        raise PhotoError(name, problem, "name color channels R, G, B, or Y")
+    return channels
+
+
+def fill(image: oiio.ImageBuf, pixels: npt.NDArray[Any]) -> None:
+    """Set all pixels of an image, (H, W, C), on all cores."""
+    spec = image.spec()
+    shaped = pixels.reshape(spec.depth, spec.height, spec.width, spec.nchannels)
+
+    def work(band: oiio.ROI) -> None:
+        rows = slice(band.ybegin - spec.y, band.yend - spec.y)
+        image.set_pixels(band, np.ascontiguousarray(shaped[band.zbegin - spec.z, rows]))
+
+    with ThreadPoolExecutor(cores()) as threads:
+        for done in [threads.submit(work, band) for band in _bands(image.roi)]:
+            done.result()
+
+
+def _require_pixels(image: oiio.ImageBuf, name: Path) -> None:
+    spec = image.spec()
+    if not image.initialized or not spec.nchannels or image.has_error:
+        problem = image.geterror().strip().partition("\n")[0] or "no pixels"
+        raise PhotoError(name, f"is not an image that can be read ({problem})", "check the file")
+    if spec.deep:
+        raise PhotoError(name, "is a deep image", "flatten it first (oiiotool --flatten)")
+
+
+def _region(image: oiio.ImageBuf, roi: oiio.ROI | None) -> oiio.ROI:
+    if roi is None or not roi.defined:
+        return image.roi.copy()
+    region = oiio.intersection(roi, image.roi)
+    if min(region.width, region.height, region.depth, region.chend - region.chbegin) <= 0:
+        raise SettingsError(
+            f"the region {_told(roi)} has no pixels in common with the image's, "
+            f"{_told(image.roi)}; choose another"
+        )
+    return region
+
+
+def _told(roi: oiio.ROI) -> str:
+    """As oiiotool writes geometry, WIDTHxHEIGHT+X+Y."""
+    return f"{roi.width}x{roi.height}{roi.xbegin:+d}{roi.ybegin:+d}"
+
+
+def _color_space(colorspace: str, spec: oiio.ImageSpec, lookup: Lookup) -> str | Primaries:
+    """The name to tag with, or the primaries of a linear space."""
+    if colorspace != "auto":
+        return colorspace
+    if not lookup.separable:
+        return "unknown"
+    primaries = primaries_of(spec, icc_profile(spec))
+    if primaries is None and "rec709" in spec.get_string_attribute("oiio:ColorSpace").lower():
+        primaries = known_primaries("Rec.709", "file attribute")
+    return primaries or "unknown"
+
+
+def _header(source: oiio.ImageSpec, region: oiio.ROI, dtype: Any) -> oiio.ImageSpec:
+    header = oiio.ImageSpec(source)
+    header.set_format(oiio.TypeDesc(dtype))
+    header.x, header.y, header.z = region.xbegin, region.ybegin, region.zbegin
+    header.width, header.height, header.depth = region.width, region.height, region.depth
+    for item in source.extra_attribs:
+        kept = still_holds(item.name) or item.name in _KEPT
+        if not kept and item.name != "oiio:UnassociatedAlpha":
+            header.erase_attribute(item.name)
+    return header
+
+
+def _tag(spec: oiio.ImageSpec, color_space: str | Primaries) -> None:
+    spec.erase_attribute("chromaticities")
+    if isinstance(color_space, str):
+        tag_color_space(spec, color_space)
+    else:
+        tag_primaries(spec, color_space)
+
+
+def _fitting(out: oiio.ImageBuf, region: oiio.ROI, channels: int) -> oiio.ImageBuf:
+    spec, inside = out.spec(), out.roi.copy()
+    fits = spec.format.basetype in _LINEAR and spec.nchannels == channels
+    wanted = region.copy()
+    wanted.chbegin, wanted.chend = 0, channels
+    if not fits or oiio.intersection(inside, wanted) != wanted:
+        raise SettingsError(
+            f"`out` is {spec.format} {_told(inside)} of {spec.nchannels} channels, and must be "
+            f"half or float, of {channels} channels, and hold {_told(region)}"
+        )
+    return out
+
+
+def _bands(region: oiio.ROI) -> list[oiio.ROI]:
+    rows = max(1, _BAND // region.width)
+    return [
+        oiio.ROI(
+            region.xbegin,
+            region.xend,
+            y,
+            min(y + rows, region.yend),
+            z,
+            z + 1,
+            region.chbegin,
+            region.chend,
+        )
+        for z in range(region.zbegin, region.zend)
+        for y in range(region.ybegin, region.yend, rows)
+    ]
