@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from facecrf_ocio import __version__
-from facecrf_ocio.cli_archive import batch, verify
+from facecrf_ocio.cli_archive import batch, report, verify
 from facecrf_ocio.cli_bench import bench
 from facecrf_ocio.cli_calibrate import calibrate
 from facecrf_ocio.cli_config import ocio_config
@@ -52,6 +52,7 @@ main.add_command(ocio_config)
 main.add_command(lint)
 main.add_command(batch)
 main.add_command(verify)
+main.add_command(report)
 
 
 @main.command()
