@@ -217,7 +217,7 @@ class InverseCRF:
     def write(
         self, path: str | Path, *, overwrite: bool = False, direction: str = "linearize"
     ) -> Path:
-        """Write the curve as the LUT its suffix names (.spi1d, .cube, .clf, .ctf, .csp, .icc).
+        """Write the curve as the LUT its name's end tells, such as .spi1d; see `export.FORMATS`.
 
         With the direction `encode` the file holds the inverse, from linear light to code values.
 
@@ -228,7 +228,7 @@ class InverseCRF:
         OutputError
             If the file exists and `overwrite` is false, or it cannot be written.
         LutError
-            If the suffix is unknown or the file does not read back as written.
+            If the ending is unknown or the file does not read back as written.
         """
         # The one import against the grain: the curve is what users hold when they want a file.
         from facecrf_ocio.export import write_lut  # noqa: PLC0415

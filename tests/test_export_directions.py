@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import PyOpenColorIO as ocio  # noqa: N813
@@ -68,6 +69,25 @@ def test_there_and_back_is_where_it_was(suffix: str, tmp_path: Path) -> None:
     np.testing.assert_allclose(
         through_ocio(back, through_ocio(there, codes)), codes, rtol=0, atol=2e-5
     )
+
+
+@pytest.mark.parametrize("suffix", ["clf", "ctf"])
+def test_a_process_list_says_which_way_it_goes_and_whither(suffix: str, tmp_path: Path) -> None:
+    ids = set()
+    for direction in ("linearize", "encode"):
+        for space in ("", "acescg"):
+            path = tmp_path / f"{direction}{space}.{suffix}"
+            write_lut(CURVE, path, direction=direction, space=space)
+            root = ElementTree.parse(path).getroot()  # noqa: S314 - our own file
+            ends = [root.findtext("InputDescriptor"), root.findtext("OutputDescriptor")]
+            encoded, linear = ends if direction == "linearize" else ends[::-1]
+            assert encoded == "RGB as encoded by the camera"
+            assert (linear or "").startswith(f"linear RGB, {space or 'relative exposure'}")
+            ocio.ClearAllCaches()
+            processor = ocio.Config.CreateRaw().getProcessor(ocio.FileTransform(str(path)))
+            assert processor.getFormatMetadata().getID() == root.get("id")
+            ids.add(root.get("id"))
+    assert len(ids) == 4
 
 
 def test_what_a_format_cannot_hold_is_refused(tmp_path: Path) -> None:
