@@ -11,9 +11,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from facecrf_ocio.archive.schema import VERSION, bring_up
-from facecrf_ocio.archive.task import Output, Result
+from facecrf_ocio.archive.task import Gathered, Output, Result
 from facecrf_ocio.errors import OutputError
 
 FILE = "facecrf-manifest.sqlite"
@@ -22,7 +23,7 @@ STARTED, GATHERED, WRITING, DONE = "started", "gathered", "writing", "done"
 
 _COLUMNS = (
     "name, size, mtime_ns, sha256, recipe, state, outcome, verdict, estimator, reason, remedy, "
-    "make, model, serial, software, read_s, estimate_s, write_s, curve"
+    "make, model, serial, software, read_s, estimate_s, write_s, curve, fingerprint"
 )
 
 
@@ -43,6 +44,7 @@ class Known:
     state: str
     outcome: str
     verdict: str
+    sha256: str = ""
 
 
 class Manifest:
@@ -83,13 +85,26 @@ class Manifest:
         """Record a fact about the archive."""
         self._base.execute("INSERT OR REPLACE INTO about VALUES (?, ?)", (key, value))
 
+    def rows(self, query: str, *values: object) -> Iterator[tuple[Any, ...]]:
+        """Stream the rows of a query on the tables that `schema.py` describes."""
+        return iter(self._base.execute(query, values))
+
+    def change(self, statement: str, *values: object) -> None:
+        """Change the tables, within a transaction."""
+        self._base.execute(statement, values)
+
     def known(self, name: str) -> Known | None:
         """Return what is known of a photo."""
         row = self._base.execute(
-            "SELECT size, mtime_ns, recipe, state, outcome, verdict FROM photos WHERE name = ?",
+            "SELECT size, mtime_ns, recipe, state, outcome, verdict, sha256 FROM photos "
+            "WHERE name = ?",
             (name,),
         ).fetchone()
         return None if row is None else Known(Stamp(*row[:3]), *row[3:])
+
+    def touch(self, name: str, stamp: Stamp) -> None:
+        """Record that a photo is the one it was, though its time is not."""
+        self.change("UPDATE photos SET mtime_ns = ? WHERE name = ?", stamp.mtime_ns, name)
 
     def start(self, name: str, stamp: Stamp) -> None:
         """Record that from now on the photo's outputs may be half there."""
@@ -99,32 +114,76 @@ class Manifest:
             (name, stamp.size, stamp.mtime_ns, stamp.recipe, STARTED),
         )
 
-    def finish(self, name: str, stamp: Stamp, result: Result) -> None:
+    def gather(self, name: str, stamp: Stamp, result: Result, fingerprint: str, key: str) -> None:
+        """Record what a photo says; its outputs wait for the curve of its camera."""
+        shot, gathered = result.shot, result.gathered
+        if gathered is None:
+            raise ValueError(f"{name} says nothing")
+        self._replace(name, stamp, result, fingerprint, GATHERED)
+        self.change(
+            "UPDATE photos SET camera = ?, taken = ?, exposure_s = ?, aperture = ?, iso = ? "
+            "WHERE name = ?",
+            *(key, shot.taken, shot.exposure_s, shot.aperture, shot.iso, name),
+        )
+        self.change(
+            "INSERT OR REPLACE INTO evidence VALUES (?, ?, ?, ?)",
+            *(name, gathered.evidence, gathered.face, gathered.samples),
+        )
+
+    def gathered(self, name: str) -> Gathered:
+        """Return what a photo says, which `gather` recorded."""
+        (row,) = self.rows("SELECT evidence, face, samples FROM evidence WHERE photo = ?", name)
+        return Gathered(*row)
+
+    def written(self, name: str, result: Result) -> None:
+        """Record that a photo of which the evidence is known has its outputs."""
+        self.change(
+            "UPDATE photos SET state = ?, outcome = ?, verdict = ?, estimator = ?, reason = ?, "
+            "remedy = ?, write_s = ?, curve = CASE WHEN ? THEN curve ELSE '' END WHERE name = ?",
+            *(DONE, result.outcome, result.verdict, result.estimator, result.reason),
+            *(result.remedy, result.timing.write, bool(result.outputs), name),
+        )
+        self._list_outputs(name, result.outputs)
+
+    def finish(self, name: str, stamp: Stamp, result: Result, fingerprint: str = "") -> None:
         """Record what came of a photo."""
+        self._replace(name, stamp, result, fingerprint, DONE)
+        self.change("DELETE FROM evidence WHERE photo = ?", name)
+        self._list_outputs(name, result.outputs)
+
+    def _replace(
+        self, name: str, stamp: Stamp, result: Result, fingerprint: str, state: str
+    ) -> None:
         self._base.execute(
             f"INSERT OR REPLACE INTO photos ({_COLUMNS}) "  # noqa: S608
-            f"VALUES ({', '.join('?' * 19)})",
+            f"VALUES ({', '.join('?' * 20)})",
             (
-                *(name, stamp.size, stamp.mtime_ns, result.sha256, stamp.recipe, DONE),
+                *(name, stamp.size, stamp.mtime_ns, result.sha256, stamp.recipe, state),
                 *(result.outcome, result.verdict, result.estimator, result.reason, result.remedy),
                 *result.camera,
                 *(result.timing.read, result.timing.estimate, result.timing.write),
-                "own" if result.outputs else "",
+                *("own" if result.outputs else "", fingerprint if result.sha256 else ""),
             ),
         )
-        self._base.execute("DELETE FROM outputs WHERE photo = ?", (name,))
+
+    def _list_outputs(self, name: str, outputs: Iterable[Output]) -> None:
+        self.change("DELETE FROM outputs WHERE photo = ?", name)
         self._base.executemany(
             "INSERT OR REPLACE INTO outputs VALUES (?, ?, ?, ?)",
-            [(item.name, name, item.size, item.sha256) for item in result.outputs],
+            [(item.name, name, item.size, item.sha256) for item in outputs],
         )
 
     def forget(self, name: str) -> None:
         """Take back `start` of a photo that was never done."""
-        self._base.execute("DELETE FROM photos WHERE name = ? AND outcome = ''", (name,))
+        self._base.execute(
+            "DELETE FROM photos WHERE name = ? AND outcome = '' AND state = ?", (name, STARTED)
+        )
 
     def started(self) -> tuple[str, ...]:
         """Return the photos whose outputs may be half there."""
-        rows = self._base.execute("SELECT name FROM photos WHERE state = ?", (STARTED,))
+        rows = self._base.execute(
+            "SELECT name FROM photos WHERE state IN (?, ?)", (STARTED, WRITING)
+        )
         return tuple(row[0] for row in rows)
 
     def outputs(self, photo: str | None = None) -> Iterable[Output]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import json
 import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -10,14 +11,18 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from facecrf_ocio import __version__
-from facecrf_ocio.archive.manifest import DONE, STARTED, Known, Manifest, Stamp
+from facecrf_ocio.archive.content import fingerprint_of, sha256_of
+from facecrf_ocio.archive.duplicates import from_twin, mark_duplicates
+from facecrf_ocio.archive.folders import make_folder
+from facecrf_ocio.archive.manifest import DONE, GATHERED, STARTED, WRITING, Known, Manifest, Stamp
 from facecrf_ocio.archive.pool import Limits, Pool
-from facecrf_ocio.archive.task import FAILED, Recipe, Result, Task
+from facecrf_ocio.archive.task import FAILED, GATHER, WHOLE, Recipe, Result, Task
 from facecrf_ocio.archive.walk import name_of
 from facecrf_ocio.errors import OutputError, PhotoError
 
 LOCK = "facecrf-manifest.lock"
 TEMPORARY = ".facecrf-*"
+REOPENED = "reopened"
 _MOUNT = "mount it, or check the name, and start again"
 
 
@@ -50,11 +55,29 @@ class Job:
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """One photo accounted for; `fresh` is false if it was done by an earlier run."""
+    """Something came of a photo.
+
+    Attributes
+    ----------
+    name, result
+        The photo, and what came of it.
+    fresh
+        False if it was done by an earlier run.
+    step
+        `DONE`: it is accounted for. `GATHERED`: its evidence is known. `REOPENED`: it was accounted
+        for, with this result, and is now written again with another curve of its camera.
+    """
 
     name: str
     result: Result
     fresh: bool
+    step: str = DONE
+
+
+@dataclass(frozen=True, slots=True)
+class _Pending:
+    stamp: Stamp
+    fingerprint: str
 
 
 def run(job: Job, photos: Iterable[Path], tell: Callable[[Event], None]) -> None:
@@ -70,7 +93,7 @@ def run(job: Job, photos: Iterable[Path], tell: Callable[[Event], None]) -> None
     """
     require_apart(job.source, job.folder)
     identity = _identity(job.source)
-    job.folder.mkdir(parents=True, exist_ok=True)
+    make_folder(job.folder)
     with _alone(job.folder):
         manifest = Manifest(job.folder)
         try:
@@ -94,19 +117,52 @@ class _Run:
         self.job, self.manifest, self.pool, self.tell = job, manifest, pool, tell
         self.identity = identity
         self.recipe = job.recipe.sha256(__version__)
-        self.stamps: dict[str, Stamp] = {}
+        self.step = GATHER if job.recipe.pool else WHOLE
+        self.pending: dict[str, _Pending] = {}
 
     def through(self, photos: Iterable[Path]) -> None:
         seen = False
         for task in self._to_do(photos):
             seen = True
-            self.pool.submit(task)
-            while self.pool.busy >= self.job.jobs:
-                self._collect()
-        while self.pool.busy:
-            self._collect()
+            self._submit(task)
+        self._collect_all()
         if not seen:
             self._require_source()
+        mark_duplicates(self.manifest)
+        if self.job.recipe.pool:
+            self._write_waiting()
+
+    def _submit(self, task: Task) -> None:
+        self.pool.submit(task)
+        while self.pool.busy >= self.job.jobs:
+            self._collect()
+
+    def _collect_all(self) -> None:
+        while self.pool.busy:
+            self._collect()
+
+    def _write_waiting(self) -> None:
+        # Only here, because they bring OpenCV and the networks into this process.
+        from facecrf_ocio.archive.settle import settle  # noqa: PLC0415
+        from facecrf_ocio.archive.waiting import waiting  # noqa: PLC0415
+
+        def reopened(name: str, result: Result) -> None:
+            self.tell(Event(name, result, fresh=False, step=REOPENED))
+
+        job = self.job
+        settle(self.manifest, self.recipe, job.recipe.prior, reopened)
+        for task, result in waiting(self.manifest, job.source, job.folder, job.recipe, self.recipe):
+            if result is not None:
+                self._record_written(task, result)
+            elif os.path.lexists(task.source):
+                with self.manifest.transaction():
+                    self.manifest.change(
+                        "UPDATE photos SET state = ? WHERE name = ?", WRITING, task.name
+                    )
+                self._submit(task)
+            else:
+                self._require_source()
+        self._collect_all()
 
     def _to_do(self, photos: Iterable[Path]) -> Iterator[Task]:
         count = 0
@@ -130,19 +186,58 @@ class _Run:
             return None
         stamp = Stamp(status.st_size, status.st_mtime_ns, self.recipe)
         known = self.manifest.known(name)
+        if known is not None and self._is_touched(known, stamp, path):
+            with self.manifest.transaction():
+                self.manifest.touch(name, stamp)
+            known = replace(known, stamp=stamp)
         if known is not None and self._is_done(known, stamp):
             self.tell(Event(name, Result(known.outcome, known.verdict), fresh=False))
             return None
-        task = Task(path, name, self.job.folder, self.job.recipe, overwrite=True)
+        if known is not None and self._is_gathered(known, stamp):
+            self.tell(Event(name, Result(""), fresh=False, step=GATHERED))
+            return None
+        return self._begin(path, name, stamp, known)
+
+    def _begin(self, path: Path, name: str, stamp: Stamp, known: Known | None) -> Task | None:
+        """Mark a photo as begun, and return what a worker is to do with it."""
+        task = Task(path, name, self.job.folder, self.job.recipe, True, self.step)
         taken = None if self.job.overwrite else self._taken(task, known)
-        self.stamps[name] = stamp
+        fingerprint = fingerprint_of(path)
+        self._wait_for_twin(fingerprint)
+        self.pending[name] = _Pending(stamp, fingerprint)
         if taken is not None:
             problem = f"{taken}: exists already; pass --overwrite to replace it"
             self._record(task, Result(FAILED, reason=problem))
             return None
         with self.manifest.transaction():
             self.manifest.start(name, stamp)
+        twin = from_twin(self.manifest, task, fingerprint, self.recipe)
+        if twin is None:
+            return task
+        task, result = twin
+        if result is not None:
+            self._record(task, result)
+            return None
         return task
+
+    def _wait_for_twin(self, fingerprint: str) -> None:
+        """Let a photo be finished that probably has the same bytes as the next one."""
+        while fingerprint and any(p.fingerprint == fingerprint for p in self.pending.values()):
+            self._collect()
+
+    def _is_gathered(self, known: Known, stamp: Stamp) -> bool:
+        return known.state in (GATHERED, WRITING) and known.stamp == stamp
+
+    def _is_touched(self, known: Known, stamp: Stamp, path: Path) -> bool:
+        """Whether a photo has another time, but the bytes that it had."""
+        if known.state == STARTED or known.stamp == stamp or not known.sha256:
+            return False
+        if replace(known.stamp, mtime_ns=stamp.mtime_ns) != stamp:
+            return False
+        try:
+            return sha256_of(path) == known.sha256
+        except OutputError:
+            return False
 
     def _is_done(self, known: Known, stamp: Stamp) -> bool:
         again = self.job.retry and known.outcome == FAILED
@@ -150,7 +245,7 @@ class _Run:
 
     def _taken(self, task: Task, known: Known | None) -> Path | None:
         """Return a file in the way that is not this archive's own."""
-        if known is not None and known.state == STARTED:
+        if known is not None and known.state != DONE:
             return None
         for planned in task.planned:
             path = task.folder / planned
@@ -167,19 +262,40 @@ class _Run:
                 if not os.path.lexists(task.source):  # its folder may be what was unmounted
                     with self.manifest.transaction():
                         self.manifest.forget(task.name)
-                    self.stamps.pop(task.name)
+                    self.pending.pop(task.name, None)
                     continue
                 _remove(task.folder, task.planned)
-            self._record(task, result)
+            if task.name in self.pending:
+                self._record(task, result)
+            else:
+                self._record_written(task, result)
 
     def _record(self, task: Task, result: Result) -> None:
-        # Before the row, so that a run that is cut here finds them in its own `started` row.
+        """Record what came of a photo that was looked at."""
+        pending = self.pending.pop(task.name)
+        if result.gathered is not None:
+            key = json.dumps([*result.camera, result.shot.style], ensure_ascii=False)
+            with self.manifest.transaction():
+                self.manifest.gather(task.name, pending.stamp, result, pending.fingerprint, key)
+            self.tell(Event(task.name, result, fresh=True, step=GATHERED))
+            return
+        self._remove_former(task, result)
+        with self.manifest.transaction():
+            self.manifest.finish(task.name, pending.stamp, result, pending.fingerprint)
+        self.tell(Event(task.name, replace(result, outputs=()), fresh=True))
+
+    def _record_written(self, task: Task, result: Result) -> None:
+        """Record that a photo got the curve that was decided."""
+        self._remove_former(task, result)
+        with self.manifest.transaction():
+            self.manifest.written(task.name, result)
+        self.tell(Event(task.name, replace(result, outputs=()), fresh=True))
+
+    def _remove_former(self, task: Task, result: Result) -> None:
+        # Before the row, so that a run that is cut here finds them in its own unfinished row.
         own = {output.name for output in result.outputs}
         former = {output.name for output in self.manifest.outputs(task.name)}
         _remove(task.folder, former - own)
-        with self.manifest.transaction():
-            self.manifest.finish(task.name, self.stamps.pop(task.name), result)
-        self.tell(Event(task.name, replace(result, outputs=()), fresh=True))
 
     def _require_source(self) -> None:
         if _identity(self.job.source) != self.identity:

@@ -9,10 +9,10 @@
     `estimator`, `reason`, `remedy`, `make`, `model`, `serial`, `software` (as the file says),
     `read_s`, `estimate_s`, `write_s`; `fingerprint` (of size and ends of the file, by which
     duplicates are sought), `duplicate_of` (first photo, in the order of names, with the same bytes;
-    empty for itself), `curve` (whose curve was written: `own`, `camera`, `bracket`; empty without
-    outputs). Of a run with `--pool camera` also: `camera` (-> cameras.key, empty for a photo that
+    empty for itself), `curve` (whose curve it gets: `own`, `camera`, `bracket`; empty if there
+    is none). Of a run with `--pool camera` also: `camera` (-> cameras.key, empty for a photo that
     is not pooled), `misfit` (how far its evidence lies from the camera's curve, in standard
-    deviations; 0 without evidence), `curve_sha256` (of the camera's or bracket's curve that was
+    deviations; -1 if it says nothing), `curve_sha256` (of the camera's or bracket's curve that was
     written), `bracket` (-> brackets.name), `taken` (EXIF time, [s] since 1970 in the camera's own
     zone), `exposure_s`, `aperture` (f-number), `iso`; 0 where the file does not tell.
 `evidence`, one row a photo of such a run
@@ -27,10 +27,11 @@
     and `sigma`; empty if no member tells anything), `curve_sha256` (of the exact curve).
 `brackets`, one row a series of exposures of one scene
     `name` (key: its first photo), `camera`, `photos` (number), `stops` (from the shortest to the
-    longest exposure), `used` (1 if Debevec's curve is what its photos get), `reason` (why, or why
-    not), `halves` (RMSE between the curves of two halves of the points), `residual` (RMS of log
-    exposure), `covered` (share of code values that points lie near), `rmse` (against the camera's
-    curve after one free scale; -1 without one), `curve` (as above), `curve_sha256`.
+    longest exposure), `used` (1 if Debevec's curve is what its photos get), `reason` (why not),
+    `halves` (RMSE between the curves of two halves of the points), `bend` (between those of half
+    and of double the smoothness), `residual` (RMS of log exposure), `covered` (share of code values
+    that points lie near), `rmse` (against the camera's curve after one free scale; -1 without
+    one), `curve` (as above), `curve_sha256`.
 `outputs`, one row a written file
     `name` (key: path relative to DST), `photo` (-> photos.name), `size` [bytes], `sha256`.
 `about`
@@ -106,7 +107,8 @@ _SECOND = (
     CREATE TABLE brackets (
         name TEXT PRIMARY KEY, camera TEXT NOT NULL REFERENCES cameras(key),
         photos INTEGER NOT NULL, stops REAL NOT NULL, used INTEGER NOT NULL, reason TEXT NOT NULL,
-        halves REAL NOT NULL, residual REAL NOT NULL, covered REAL NOT NULL, rmse REAL NOT NULL,
+        halves REAL NOT NULL, bend REAL NOT NULL, residual REAL NOT NULL,
+        covered REAL NOT NULL, rmse REAL NOT NULL,
         curve TEXT NOT NULL, curve_sha256 TEXT NOT NULL
     ) WITHOUT ROWID
     """,

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from facecrf_ocio.archive.content import sha256_of
 from facecrf_ocio.archive.manifest import FILE, Manifest
 from facecrf_ocio.errors import OutputError
 
 MISSING, ALTERED, EXTRA = "missing", "altered", "extra"
-_BLOCK = 1 << 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +38,7 @@ def verify(folder: Path) -> Iterator[Fault]:
             path = folder / output.name
             if not path.is_file():
                 yield Fault(output.name, MISSING)
-            elif path.stat().st_size != output.size or _sha256(path) != output.sha256:
+            elif path.stat().st_size != output.size or sha256_of(path) != output.sha256:
                 yield Fault(output.name, ALTERED)
         yield from _extras(folder, manifest)
     finally:
@@ -52,14 +51,3 @@ def _extras(folder: Path, manifest: Manifest) -> Iterator[Fault]:
             name = Path(place, file).relative_to(folder).as_posix()
             if not name.startswith("facecrf-manifest.") and not manifest.has_output(name):
                 yield Fault(name, EXTRA)
-
-
-def _sha256(path: Path) -> str:
-    digest = hashlib.sha256()
-    try:
-        with path.open("rb") as file:
-            while block := file.read(_BLOCK):
-                digest.update(block)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be read: {error.strerror}; check the disk") from error
-    return digest.hexdigest()

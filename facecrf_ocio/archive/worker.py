@@ -8,26 +8,25 @@ from __future__ import annotations
 
 import errno
 import hashlib
-import json
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
 import cv2
-import numpy as np
 
 from facecrf_ocio.archive.folders import make_folder
 from facecrf_ocio.archive.samples import take_samples
 from facecrf_ocio.archive.shot import read_shot
 from facecrf_ocio.archive.task import FAILED, GATHER, Gathered, Output, Result, Task, Timing
+from facecrf_ocio.archive.told import face_json, told_before
 from facecrf_ocio.calibrate import SAME_CURVE, assumptions_of, calibrate
 from facecrf_ocio.confidence import demand
 from facecrf_ocio.errors import FaceCRFError, OutputError, PhotoError
 from facecrf_ocio.export import write_outputs
-from facecrf_ocio.joint import PhotoEvidence, gather
+from facecrf_ocio.joint import gather
 from facecrf_ocio.linearize import write_linear
 from facecrf_ocio.read import read_photo
-from facecrf_ocio.values import Estimate, Face, Photo
+from facecrf_ocio.values import Estimate, Photo
 
 # What is wrong with the disk, and not with the photo: every other photo would fail alike.
 _DISK = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
@@ -76,14 +75,12 @@ def _is_poolable(photo: Photo) -> bool:
 
 def _gather(task: Task, photo: Photo) -> Result:
     evidence = gather(photo, task.recipe.settings)
-    face = evidence.face
-    told = "" if face is None else json.dumps([*face.box_xy.tolist(), face.score])
     return Result(
         "",
         sha256=photo.sha256 or "",
         camera=_camera(photo),
         shot=read_shot(task.source),
-        gathered=Gathered(evidence.to_json(), told, take_samples(photo.encoded)),
+        gathered=Gathered(evidence.to_json(), face_json(evidence), take_samples(photo.encoded)),
     )
 
 
@@ -115,15 +112,6 @@ def _found(task: Task, photo: Photo) -> Estimate:
     if task.estimate.assumptions:
         return task.estimate
     return replace(task.estimate, assumptions=(*assumptions_of(photo), SAME_CURVE))
-
-
-def told_before(gathered: Gathered) -> PhotoEvidence:
-    """The evidence that a photo gave before, with its face, but without the face's landmarks."""
-    evidence = PhotoEvidence.from_json(gathered.evidence)
-    if not gathered.face:
-        return evidence
-    *box, score = json.loads(gathered.face)
-    return replace(evidence, face=Face(np.array(box), np.empty((0, 3)), score))
 
 
 def _camera(photo: Photo) -> tuple[str, str, str, str]:
