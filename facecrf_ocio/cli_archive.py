@@ -29,7 +29,7 @@ class _Progress:
 
     def __init__(self, total: int | None) -> None:
         self.total, self.counts = total, Counter[str]()
-        self.done = self.fresh = 0
+        self.done = self.fresh = self.gathered = 0
         self.begin = self.said = monotonic()
         self.live: Any = None
 
@@ -48,9 +48,13 @@ class _Progress:
 
     def __call__(self, event: Event) -> None:
         result = event.result
-        self.done += 1
-        self.fresh += event.fresh
-        self.counts[_kind(result.outcome, result.verdict)] += 1
+        if event.step == "gathered":
+            self.gathered += 1
+        else:
+            by = -1 if event.step == "reopened" else 1
+            self.done += by
+            self.fresh += event.fresh
+            self.counts[_kind(result.outcome, result.verdict)] += by
         if event.fresh and result.outcome == "failed":
             if self.live is not None:
                 self.live.stop()
@@ -67,6 +71,8 @@ class _Progress:
         rate = self.fresh / max(monotonic() - self.begin, 1e-9)
         of = "" if self.total is None else f" of {self.total}"
         text = f"{self.done}{of} photos"
+        if self.gathered and (self.total is None or self.done < self.total):
+            text = f"{self.gathered} looked at, {text}"
         if self.done > self.fresh:
             text += f" ({self.done - self.fresh} done before)"
         if self.fresh:
@@ -100,6 +106,13 @@ def _kind(outcome: str, verdict: str) -> str:
     help="LUT formats, by commas.",
 )
 @click.option("--exr", is_flag=True, help="Also write scene-linear EXRs.")
+@click.option(
+    "--pool",
+    type=click.Choice(("none", "camera")),
+    default="none",
+    show_default=True,
+    help="One curve from all photos of a camera, by EXIF; and one for each bracket.",
+)
 @click.option("--timeout", default=300.0, show_default=True, help="Seconds for one photo.")
 @click.option("--memory", default=4096, show_default=True, help="MB for one process.")
 @click.option("--retry", is_flag=True, help="Try photos again that failed before.")
@@ -127,10 +140,13 @@ def batch(
 
     formats, exr, retry = (options.pop(name) for name in ("formats", "exr", "retry"))
     limits = Limits(options.pop("timeout"), options.pop("memory"))
+    pool = options.pop("pool") == "camera"
     choices = Choices(**options)
+    if pool and choices.estimator not in ("auto", "joint"):
+        raise click.UsageError("--pool camera takes the estimator auto or joint")
     recipe = Recipe(
         *(choices.estimator, choices.fallback, choices.prior, choices.min_confidence),
-        *(choices.settings, formats, exr),
+        *(choices.settings, formats, exr, pool),
     )
     job = Job(
         *(source, output, recipe, jobs or os.cpu_count() or 1, limits),
