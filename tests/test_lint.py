@@ -21,6 +21,9 @@ from facecrf_ocio.lint import lint
 from facecrf_ocio.response.model import dorf_model, strictly_increasing
 from facecrf_ocio.values import InverseCRF
 
+WORDS = st.sampled_from(
+    [w.encode() for w in ("²", "1e999", "-1", "nan ", "\n", "3D", "rawHalfs='true' ", "UTF-7")]
+)
 Values = npt.NDArray[np.float64]
 NODES = np.linspace(0.0, 1.0, 4096)
 CURVE = InverseCRF(NODES, np.stack([NODES**2.4, NODES**2.2, NODES**1.8]))
@@ -219,6 +222,35 @@ def test_a_ramp_is_clean(name: str, text: str, tmp_path: Path) -> None:
     path = tmp_path / name
     path.write_text(text)
     assert lint(path) == ()
+
+
+@pytest.fixture(scope="module")
+def whole_files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    short = InverseCRF(np.array([0.0, 1.0]), np.array([[0.0, 1.0]] * 3))
+    folder = tmp_path_factory.mktemp("whole")
+    profile = write_lut(short, folder / "a.v4.icc").read_bytes()
+    texts = {"a.spi1d": SPI1D, "a.cube": IRIDAS, "a.csp": CSP, "a.clf": CLF}
+    formula = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+    files = {name: text.encode() for name, text in texts.items()}
+    return {**files, "a.icc": profile, "formula.icc": formula}
+
+
+@settings(max_examples=100, deadline=None)
+@given(data=st.data())
+def test_no_damage_ends_in_anything_but_findings(
+    data: st.DataObject, whole_files: dict[str, bytes], tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    name = data.draw(st.sampled_from(sorted(whole_files)))
+    content = bytearray(whole_files[name])
+    for _ in range(data.draw(st.integers(1, 4))):
+        # Heads are where most of the meaning is.
+        last = data.draw(st.sampled_from([200, 800, len(content)]))
+        start = data.draw(st.integers(0, min(last, len(content))))
+        end = start + data.draw(st.integers(0, 8))
+        content[start:end] = data.draw(st.one_of(st.binary(max_size=8), WORDS))
+    path = tmp_path_factory.getbasetemp() / name
+    path.write_bytes(content)
+    assert all(finding.severity in ("error", "warning") for finding in lint(path))
 
 
 def test_what_cannot_be_read_is_an_error(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -68,7 +69,10 @@ def _parametric(kind: int, parameters: Sequence[float], x: float) -> float:
         return float(x**g)
     if kind in (1, 2):  # kind 1 has no c
         return float((a * x + b) ** g + c) if a * x >= -b else c
-    return float((a * x + b) ** g + e) if x >= d else c * x + f
+    if x < d:
+        return c * x + f
+    power = (a * x + b) ** g
+    return math.nan if isinstance(power, complex) else float(power + e)
 
 
 def _elements(data: bytes) -> Iterator[Table]:

@@ -69,6 +69,8 @@ def process_list_tables(path: Path, content: bytes) -> list[Table]:
         reader.read(content)
     except expat.ExpatError as error:
         return [broken(path, error.lineno, "it is no XML", "export it again")]
+    except (LookupError, ValueError):
+        return [broken(path, 1, "it has an encoding nobody knows", "export it as UTF-8")]
     tables = [
         broken(path, line, "it holds a 3-D LUT", "use a 1-D LUT for a curve")
         for line in reader.solids

@@ -91,7 +91,7 @@ def _sized(
         missing = Finding(path, None, ERROR, "no size is given", "write how many entries follow")
         return Table(rows, None, (*findings, missing))
     line, text = size
-    if not text.isdigit():
+    if not text.isdecimal():
         wrong = Finding(path, line, ERROR, f"the size is {text!r}", "write how many entries follow")
         return Table(rows, None, (*findings, wrong))
     return Table(rows, int(text), tuple(findings), line)
