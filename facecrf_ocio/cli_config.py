@@ -47,5 +47,7 @@ def ocio_config(luts: tuple[Path, ...], output: Path, primaries: str | None, **c
 
     given = known_primaries(primaries, "assumed") if primaries else None
     written = write_config(luts, output, primaries=given, **choices)
-    click.echo(one_line(f"{written[0]}: config with {max(len(written) - 1, 0)} files beside it"))
+    config, *files = written
+    what = f"config with {len(files)} files beside it" if files else "config with its LUTs inside"
+    click.echo(one_line(f"{config}: {what}"))
     return DONE

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import PyOpenColorIO as ocio  # noqa: N813
 import pytest
+from command_line import CommandLine
 from PIL import Image
 from privileges import without_privileges
 
@@ -335,6 +336,44 @@ def test_a_studio_config_finds_its_own_luts_from_its_new_folder(tmp_path):
     assert np.abs(through(config, "log", "lin") - expected(3.0)).max() < 1e-6
     assert config.getColorSpaceFromFilepath("x/p.jpg")[0] == "facecrf_p"
     assert config.getColorSpaceFromFilepath("x/q.jpg")[0] == "log"
+
+
+def test_the_command_tells_what_it_wrote_or_why_not_in_one_line(tmp_path, capfd):
+    run = CommandLine(capfd)
+    luts = tmp_path / "luts"
+    write_spi1d(luts / "p.spi1d", 2.2)
+    (luts / "q.encode.spi1d").write_bytes((luts / "p.spi1d").read_bytes())
+    for name, said in (
+        ("a.ocio", "config with 1 files beside it"),
+        ('ü $ "q".ocioz', "config with its LUTs inside"),
+    ):
+        ended = run("ocio-config", luts, "-o", tmp_path / name, "--to", "acescg")
+        assert (ended.code, ended.out) == (0, f"{tmp_path / name}: {said}\n")
+        ocio.Config.CreateFromFile(str(tmp_path / name)).validate()
+    (tmp_path / "empty").mkdir()
+    new = tmp_path / "new.ocio"
+    builtin = "ocio://cg-config-v1.0.0_aces-v1.3_ocio-v2.1"
+    for code, problem, arguments in (
+        (1, "exists already", (luts, "-o", tmp_path / "a.ocio")),
+        (
+            1,
+            "no such file or directory; choose another folder",
+            (luts, "-o", tmp_path / "missing" / "a.ocio"),
+        ),
+        (1, "give it .ocio or .ocioz", (luts, "-o", tmp_path / "a.txt")),
+        (2, "'none.ocio' file does not exist", (luts, "-o", new, "--merge", "none.ocio")),
+        (2, "unpack it", (luts, "-o", new, "--merge", tmp_path / 'ü $ "q".ocioz')),
+        (2, "not a config", (luts, "-o", new, "--merge", luts / "p.spi1d")),
+        (2, "not a config", (luts, "-o", new, "--merge", "ocio://nothing")),
+        (2, "leave --to acescg out", (luts, "-o", new, "--merge", builtin, "--to", "acescg")),
+        (3, "it encodes", (luts / "q.encode.spi1d", "-o", new)),
+        (3, "no LUT", (tmp_path / "empty", "-o", new)),
+    ):
+        ended = run("ocio-config", *arguments)
+        assert (ended.code, ended.out) == (code, "")
+        assert problem in ended.err
+        assert ended.err.count("\n") == 1
+    assert not new.exists()
 
 
 def test_oiiotool_converts_through_the_config(tmp_path):

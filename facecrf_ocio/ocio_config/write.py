@@ -33,6 +33,7 @@ VARIABLE = "FACECRF_PHOTO"
 VARIABLE_SPACE = "facecrf_photo"
 DEFAULT_PHOTO = "facecrf_default_srgb"
 _NEWEST_PROFILE = (2, 4)  # Blender 5.0 reads none newer
+_REFUSED = (ocio.Exception, ocio.ExceptionMissingFile)  # the second is no kind of the first
 
 
 def write_config(
@@ -118,9 +119,11 @@ def _base(merge: str | None, space: str | None, output: Path) -> Any:
         raise SettingsError(f"{merge}: has a working space of its own; leave --to {space} out")
     if not merge.startswith("ocio://") and output.suffix.lower() == ".ocioz":
         raise SettingsError(f"{merge}: files it refers to cannot be packed; write a .ocio instead")
+    if merge.lower().endswith(".ocioz"):
+        raise SettingsError(f"{merge}: is packed; unpack it (ocioarchive --extract) and name that")
     try:
         config = ocio.Config.CreateFromFile(merge)
-    except ocio.Exception as error:
+    except _REFUSED as error:
         problem = str(error).strip().partition("\n")[0]
         raise SettingsError(f"{merge}: not a config ({problem}); check the name") from error
     version = (config.getMajorVersion(), config.getMinorVersion())
@@ -313,7 +316,7 @@ def _staged(config: Any, stage: Path, output: Path, folder: str, files: dict[str
         config.archive(str(packed))
         ocio.Config.CreateFromFile(str(packed)).validate()
         return packed.read_bytes()
-    except ocio.Exception as error:
+    except _REFUSED as error:
         problem = str(error).strip().replace("\n", " ")
         raise SettingsError(f"{output}: not a config OpenColorIO takes ({problem})") from error
 
