@@ -116,6 +116,17 @@ def _kind(outcome: str, verdict: str) -> str:
 @click.option("--timeout", default=300.0, show_default=True, help="Seconds for one photo.")
 @click.option("--memory", default=4096, show_default=True, help="MB for one process.")
 @click.option("--retry", is_flag=True, help="Try photos again that failed before.")
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Work on the Dask cluster of this scheduler (tcp://host:8786) instead of with --jobs.",
+)
+@click.option(
+    "--ship/--no-ship",
+    default=None,
+    help="Send photos to its workers and write here what comes back; or never do. By default, "
+    "when a worker does not see SOURCE and DST.",
+)
 @estimation_options
 @ending_well
 def batch(
@@ -135,12 +146,16 @@ def batch(
     """
     from facecrf_ocio.archive.pool import Limits
     from facecrf_ocio.archive.run import Job, run
+    from facecrf_ocio.archive.scheduler import Cluster
     from facecrf_ocio.archive.task import Recipe
     from facecrf_ocio.archive.walk import photos_under
 
     formats, exr, retry = (options.pop(name) for name in ("formats", "exr", "retry"))
     limits = Limits(options.pop("timeout"), options.pop("memory"))
     pool = options.pop("pool") == "camera"
+    scheduler, ship = options.pop("scheduler"), options.pop("ship")
+    if ship is not None and scheduler is None:
+        raise click.UsageError("--ship and --no-ship are for --scheduler")
     choices = Choices(**options)
     if pool and choices.estimator not in ("auto", "joint"):
         raise click.UsageError("--pool camera takes the estimator auto or joint")
@@ -152,6 +167,7 @@ def batch(
         *(source, output, recipe, jobs or os.cpu_count() or 1, limits),
         overwrite=choices.overwrite,
         retry=retry,
+        cluster=Cluster(scheduler, ship) if scheduler else None,
     )
     total = None
     if files_from is not None:

@@ -44,3 +44,7 @@ class SettingsError(FaceCRFError):
 
 class NotCalibratedError(FaceCRFError):
     """The curve of an estimate was asked for, but the photo could not be calibrated."""
+
+
+class ClusterError(FaceCRFError):
+    """A cluster cannot be reached, is not set up for the work, or was lost."""

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from facecrf_ocio import __version__
 from facecrf_ocio.archive.content import fingerprint_of, sha256_of
@@ -19,6 +20,9 @@ from facecrf_ocio.archive.pool import Limits, Pool
 from facecrf_ocio.archive.task import FAILED, GATHER, WHOLE, Recipe, Result, Task
 from facecrf_ocio.archive.walk import name_of
 from facecrf_ocio.errors import OutputError, PhotoError
+
+if TYPE_CHECKING:
+    from facecrf_ocio.archive.scheduler import Cluster, ClusterPool
 
 LOCK = "facecrf-manifest.lock"
 TEMPORARY = ".facecrf-*"
@@ -42,6 +46,8 @@ class Job:
         Replace files that are not outputs of this archive.
     retry
         Try photos again that failed before, though nothing changed.
+    cluster
+        Work there instead of in processes of this machine; `jobs` is without effect then.
     """
 
     source: Path
@@ -51,6 +57,7 @@ class Job:
     limits: Limits = field(default_factory=Limits)
     overwrite: bool = False
     retry: bool = False
+    cluster: Cluster | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +97,8 @@ def run(job: Job, photos: Iterable[Path], tell: Callable[[Event], None]) -> None
         the manifest is another archive's. What is done stays done; start again to go on.
     PhotoError
         If the source vanishes while the run goes on, or is empty though it was not.
+    ClusterError
+        If the cluster cannot be reached, is not set up for the work, or was lost.
     """
     require_apart(job.source, job.folder)
     identity = _identity(job.source)
@@ -99,10 +108,18 @@ def run(job: Job, photos: Iterable[Path], tell: Callable[[Event], None]) -> None
         try:
             _require_same_source(manifest, job.source)
             _clear_leftovers(manifest, job.folder)
-            with Pool(job.jobs, job.limits) as pool:
+            with _pool(job) as pool:
                 _Run(job, manifest, pool, identity, tell).through(photos)
         finally:
             manifest.close()
+
+
+def _pool(job: Job) -> Pool | ClusterPool:
+    if job.cluster is None:
+        return Pool(job.jobs, job.limits)
+    from facecrf_ocio.archive.scheduler import ClusterPool  # noqa: PLC0415 - heavy
+
+    return ClusterPool(job.cluster, job.limits, job.folder)
 
 
 class _Run:
@@ -110,7 +127,7 @@ class _Run:
         self,
         job: Job,
         manifest: Manifest,
-        pool: Pool,
+        pool: Pool | ClusterPool,
         identity: tuple[int, int],
         tell: Callable[[Event], None],
     ) -> None:
@@ -134,7 +151,7 @@ class _Run:
 
     def _submit(self, task: Task) -> None:
         self.pool.submit(task)
-        while self.pool.busy >= self.job.jobs:
+        while self.pool.busy >= self.pool.jobs:
             self._collect()
 
     def _collect_all(self) -> None:

@@ -47,7 +47,7 @@ def process(task: Task) -> Result:
     try:
         photo = read_photo(task.source)
     except (FaceCRFError, MemoryError, OSError) as error:
-        return _failure(error)
+        return failure_of(error)
     read = perf_counter()
     try:
         if task.sha256 not in ("", photo.sha256):
@@ -60,7 +60,7 @@ def process(task: Task) -> Result:
         names = () if estimate.found is None else _write(task, photo, estimate)
         outputs = tuple(_described(task.folder, path) for path in names)
     except (FaceCRFError, MemoryError, OSError) as error:
-        return replace(_failure(error), sha256=photo.sha256 or "")
+        return replace(failure_of(error), sha256=photo.sha256 or "")
     except Exception as error:  # a fault of ours costs this photo, and not the run
         reason = f"unexpected {type(error).__name__}: {error}"
         return Result(FAILED, reason=reason, sha256=photo.sha256 or "")
@@ -143,7 +143,8 @@ def _described(folder: Path, path: Path) -> Output:
     return Output(name, len(content), hashlib.sha256(content).hexdigest())
 
 
-def _failure(error: Exception) -> Result:
+def failure_of(error: Exception) -> Result:
+    """What an error is to the run: this photo's failure, or the end of it all."""
     if isinstance(error, MemoryError):
         return Result(FAILED, reason="not enough memory", remedy="use a smaller version of it")
     cause = error.__cause__ if isinstance(error, OutputError) else None
