@@ -34,8 +34,9 @@ def lut_lookup(lut: str | Path) -> Lookup:
     }
 
     def transform(values: npt.NDArray[np.float32], out: npt.NDArray[Any]) -> None:
-        # Both must outlive the call: the descriptions hold no references.
-        cpus[out.dtype].apply(_described(values), _described(out))
+        cpus[out.dtype].apply(
+            described(values, ocio.BIT_DEPTH_F32), described(out, _DEPTHS[out.dtype.type])
+        )
 
     return Lookup(transform, separable=not processor.hasChannelCrosstalk(), name=str(lut))
 
@@ -43,7 +44,8 @@ def lut_lookup(lut: str | Path) -> Lookup:
 _DEPTHS = {np.float32: ocio.BIT_DEPTH_F32, np.float16: ocio.BIT_DEPTH_F16}
 
 
-def _described(image: npt.NDArray[Any]) -> Any:
+def described(image: npt.NDArray[Any], depth: Any) -> Any:
+    """Tell OpenColorIO of (H, W, 3) contiguous pixels, which must outlive what is returned."""
     height, width, _ = image.shape
     size = image.itemsize
     return ocio.PackedImageDesc(
@@ -51,7 +53,7 @@ def _described(image: npt.NDArray[Any]) -> Any:
         width,
         height,
         ocio.CHANNEL_ORDERING_RGB,
-        _DEPTHS[image.dtype.type],
+        depth,
         size,
         3 * size,
         3 * width * size,

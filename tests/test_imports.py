@@ -45,7 +45,7 @@ RANK = {unit: rank for rank, layer in enumerate(LAYERS) for unit in layer}
 # `InverseCRF.write`, documented where it stands.
 AGAINST_THE_GRAIN = {("values.py", "facecrf_ocio.export")}
 
-WRITERS = {"apply", "exr_header", "image_output"}
+WRITERS = {"apply", "exr_header", "image_output", "benchmark"}
 HEAVY = {"numpy", "scipy", "cv2", "OpenImageIO", "PyOpenColorIO", "rawpy", "matplotlib", "PIL"}
 
 
@@ -108,7 +108,7 @@ def test_no_two_units_import_each_other():
 @pytest.mark.parametrize(
     ("library", "units"),
     [
-        ("PyOpenColorIO", {"export", "lut_file", "ocio_config"}),
+        ("PyOpenColorIO", {"export", "lut_file", "ocio_config", "benchmark"}),
         ("OpenImageIO", {"read", "raw", "profile", "pixels", "integrity", *WRITERS}),
         ("rawpy", {"raw"}),
         ("matplotlib", {"report", "demo"}),
