@@ -1,7 +1,7 @@
 """Linearize Photo: a photo's curve, estimated by `facecrf`, as native compositor nodes."""
 
 # Names, signatures and lists as Blender asks for them.
-# ruff: noqa: D101, D102, D103, D400, N801, ARG002, RUF012
+# ruff: noqa: D101, D102, D103, D400, N801, ARG001, ARG002, RUF012
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 import bpy
 
 from .command import CommandError, calibrate, find_command, linearize
-from .curve_group import new_curve_group
+from .curve_group import VERDICT, fill, new_curve_group
 
 PHOTOS = {".jpg", ".jpeg", ".png", ".tif", ".tiff"}
 
@@ -45,22 +45,51 @@ class FACECRF_OT_linearize_photo(bpy.types.Operator):
 
     image: bpy.props.StringProperty(name="Image")
 
+    def invoke(self, context, event):
+        if self.image:
+            return self.execute(context)
+        return context.window_manager.invoke_props_dialog(self)
+
+    def draw(self, context):
+        self.layout.prop_search(self, "image", bpy.data, "images")
+
     def execute(self, context):
-        chosen = _preferences(context)
-        image = bpy.data.images.get(self.image)
-        if image is None:
-            self.report({"ERROR"}, f"no image is named {self.image!r}; load it first")
-            return {"CANCELLED"}
-        path = Path(bpy.path.abspath(image.filepath))
-        if not image.filepath or not path.is_file():
-            self.report({"ERROR"}, f"{image.name}: is not a file on disk; save the image first")
-            return {"CANCELLED"}
         try:
-            found = calibrate(chosen.command, path, chosen.estimator)
+            image = _loaded(self.image)
+            found = _calibrate(context, image)
         except CommandError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         _add_nodes(context.scene, image, new_curve_group(image.name, found))
+        self.report({"INFO"}, f"{image.name}: {found.verdict}: {found.reason}")
+        return {"FINISHED"}
+
+
+class FACECRF_OT_calibrate_node(bpy.types.Operator):
+    """Calibrate the image that is linked to this Linearize Photo node, and replace its curve"""
+
+    bl_idname = "facecrf.calibrate_node"
+    bl_label = "Calibrate Linked Image"
+    bl_options = {"REGISTER", "UNDO"}
+
+    node: bpy.props.StringProperty(name="Node")
+
+    def execute(self, context):
+        tree = context.scene.compositing_node_group
+        node = tree.nodes.get(self.node) if tree else None
+        try:
+            if not _is_ours(node):
+                raise CommandError(f"{self.node!r} is not a Linearize Photo node")
+            linked = [link.from_node for link in node.inputs[0].links]
+            if not linked or linked[0].bl_idname != "CompositorNodeImage" or not linked[0].image:
+                raise CommandError("link an Image node to the Linearize Photo node first")
+            image = linked[0].image
+            found = _calibrate(context, image)
+        except CommandError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        image.colorspace_settings.name = "Non-Color"
+        fill(node.node_tree, image.name, found)
         self.report({"INFO"}, f"{image.name}: {found.verdict}: {found.reason}")
         return {"FINISHED"}
 
@@ -101,6 +130,25 @@ class FACECRF_OT_linearize_folder(bpy.types.Operator):
         return {"FINISHED"} if written else {"CANCELLED"}
 
 
+def _loaded(name):
+    image = bpy.data.images.get(name)
+    if image is None:
+        raise CommandError(f"no image is named {name!r}; load it first")
+    return image
+
+
+def _calibrate(context, image):
+    path = Path(bpy.path.abspath(image.filepath, library=image.library))
+    if not image.filepath or not path.is_file():
+        raise CommandError(f"{image.name}: is not a file on disk; save the image first")
+    chosen = _preferences(context)
+    return calibrate(chosen.command, path, chosen.estimator)
+
+
+def _is_ours(node):
+    return getattr(node, "node_tree", None) is not None and VERDICT in node.node_tree
+
+
 def _add_nodes(scene, image, group):
     # The curve expects code values, not what Blender would make of them.
     image.colorspace_settings.name = "Non-Color"
@@ -130,17 +178,32 @@ class FACECRF_PT_panel(bpy.types.Panel):
     bl_region_type = "UI"
     bl_category = "facecrf"
 
+    @classmethod
+    def poll(cls, context):
+        return context.space_data.tree_type == "CompositorNodeTree"
+
     def draw(self, context):
         for image in bpy.data.images:
             if image.source == "FILE":
                 row = self.layout.operator("facecrf.linearize_photo", text=image.name)
                 row.image = image.name
         self.layout.operator("facecrf.linearize_folder")
+        if _is_ours(context.active_node):
+            box = self.layout.box()
+            box.label(text=f"{context.active_node.node_tree[VERDICT]} curve")
+            row = box.operator("facecrf.calibrate_node")
+            row.node = context.active_node.name
+
+
+def _add_menu(menu, context):
+    menu.layout.operator_context = "INVOKE_DEFAULT"
+    menu.layout.operator("facecrf.linearize_photo")
 
 
 CLASSES = (
     FacecrfPreferences,
     FACECRF_OT_linearize_photo,
+    FACECRF_OT_calibrate_node,
     FACECRF_OT_linearize_folder,
     FACECRF_PT_panel,
 )
@@ -149,8 +212,10 @@ CLASSES = (
 def register():
     for cls in CLASSES:
         bpy.utils.register_class(cls)
+    bpy.types.NODE_MT_compositor_node_add_all.append(_add_menu)
 
 
 def unregister():
+    bpy.types.NODE_MT_compositor_node_add_all.remove(_add_menu)
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)
