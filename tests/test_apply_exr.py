@@ -13,8 +13,9 @@ import pytest
 from photo_files import CURVE, matrix_profile, oiiotool, pixels_of, random_codes, write, write_spi1d
 from PIL import Image
 
-from facecrf_ocio.apply import apply_lut, linearize_photo, write_exr
-from facecrf_ocio.errors import OutputError, SettingsError
+from facecrf_ocio.apply import apply_lut, linear_rows, linearize_photo, write_exr
+from facecrf_ocio.errors import LutError, OutputError, SettingsError
+from facecrf_ocio.lookup import curve_lookup
 from facecrf_ocio.profile import KNOWN_PRIMARIES
 from facecrf_ocio.read import read_photo
 from facecrf_ocio.values import Photo
@@ -86,6 +87,24 @@ class TestExr:
         assert again.primaries is not None
         assert again.primaries.name == "Rec.2020"
         assert np.array_equal(again.encoded, linear)
+
+
+class TestRows:
+    @pytest.mark.parametrize("height", [1, 256, 600])
+    @pytest.mark.parametrize("half", [True, False])
+    @pytest.mark.parametrize("bits", [8, 12, None])
+    def test_in_bands_as_in_one_piece(
+        self, tmp_path: Path, height: int, half: bool, bits: int | None
+    ) -> None:
+        encoded = np.random.default_rng(6).random((height, 30, 3), np.float32)
+        if bits is not None:
+            maximum = 2**bits - 1
+            encoded = (np.rint(encoded * maximum) / maximum).astype(np.float32)
+        photo = Photo(encoded, bit_depth=bits)
+        rows = linear_rows(photo, curve_lookup(CURVE), half=half)
+        write_exr(tmp_path / "a.exr", rows, photo, provenance={}, half=half)
+        expected = CURVE.linearize(encoded).astype(np.float16 if half else np.float32)
+        assert np.array_equal(pixels_of(tmp_path / "a.exr"), expected)
 
 
 class TestMetadata:
@@ -187,11 +206,19 @@ class TestRefusals:
         handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         try:
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, former[1]))
-            with pytest.raises(OutputError, match="cannot be written"):
+            with pytest.raises(OutputError, match=r"a\.exr: cannot be written: file too large"):
                 self.write(tmp_path / "a.exr")
         finally:
             resource.setrlimit(resource.RLIMIT_FSIZE, former)
             signal.signal(signal.SIGXFSZ, handler)
+        assert list(tmp_path.iterdir()) == []
+
+    def test_rows_that_fail_leave_nothing(self, tmp_path: Path) -> None:
+        def rows(begin: int, end: int) -> Any:
+            raise LutError("a.clf: gives NaN")
+
+        with pytest.raises(LutError, match="gives NaN"):
+            write_exr(tmp_path / "a.exr", rows, self.photo, provenance={})
         assert list(tmp_path.iterdir()) == []
 
     def test_nothing_else_is_left_in_the_folder(self, tmp_path: Path) -> None:

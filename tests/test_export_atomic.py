@@ -194,6 +194,28 @@ def test_folders_that_cannot_be_flushed_will_do(
     assert contents(tmp_path) == {"a.x": b"a.x"}
 
 
+def test_a_function_may_write_the_file(tmp_path: Path) -> None:
+    """Also one that puts another in the temporary file's place."""
+
+    def write(path: Path) -> None:
+        assert path.parent == tmp_path
+        path.unlink()
+        path.write_bytes(b"by name")
+
+    write_files([Draft(tmp_path / "a.x", write, accept)])
+    assert contents(tmp_path) == {"a.x": b"by name"}
+
+
+def test_what_a_function_raises_leaves_nothing(tmp_path: Path) -> None:
+    def write(path: Path) -> NoReturn:
+        path.write_bytes(b"half of it")
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with pytest.raises(OutputError, match="no space left on device; free some space"):
+        write_files([Draft(tmp_path / "a.x", write, accept)])
+    assert not contents(tmp_path)
+
+
 LIMITED = """
 import resource, sys
 from pathlib import Path
