@@ -11,6 +11,7 @@ from facecrf_ocio.archive.content import sha256_of
 from facecrf_ocio.archive.manifest import FILE, Manifest
 from facecrf_ocio.errors import OutputError
 
+REPORT = "facecrf-report.html"
 MISSING, ALTERED, EXTRA = "missing", "altered", "extra"
 
 
@@ -49,5 +50,6 @@ def _extras(folder: Path, manifest: Manifest) -> Iterator[Fault]:
     for place, _, names in os.walk(folder):
         for file in sorted(names):
             name = Path(place, file).relative_to(folder).as_posix()
-            if not name.startswith("facecrf-manifest.") and not manifest.has_output(name):
+            ours = name.startswith("facecrf-manifest.") or name == REPORT
+            if not ours and not manifest.has_output(name):
                 yield Fault(name, EXTRA)

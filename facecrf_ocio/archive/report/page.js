@@ -121,8 +121,10 @@ function whyNoPicture(row) {
 }
 
 // ---- what the rows say ----
+// "NIKON CORPORATION" of "NIKON D70" need not be said twice.
+const firstWord = (text) => text.toLowerCase().split(" ")[0];
 const cameraName = (make, model) =>
-  visible(model.toLowerCase().startsWith(make.toLowerCase()) ? model : `${make} ${model}`.trim());
+  visible(firstWord(model) === firstWord(make) ? model : `${make} ${model}`.trim());
 const cameraOf = (row) => cameraName(word("make", row), word("model", row));
 const kindName = (kind) => DATA.kinds[kind];
 const verdict = (kind) => el("span", {class: `verdict k${kind}`}, kindName(kind));
@@ -350,9 +352,9 @@ function show(row) {
     curve < 0 ? el("p", {class: "dim"}, "No curve.") : plot(curve, 420, 420),
     curve < 0 ? null : el("p", {class: "hint"}, `Shaded: the 90 % band, ± ${C.band[row].toFixed(1)} % of white on average. Dashed: sRGB.`));
   dialog.replaceChildren(
-    el("h2", {id: "details-title"}, name),
-    el("div", {class: "inside"}, left, right),
-    el("button", {type: "button", autofocus: true, onclick: () => dialog.close()}, "Close"));
+    el("div", {class: "title"}, el("h2", {id: "details-title"}, name),
+      el("button", {type: "button", autofocus: true, onclick: () => dialog.close()}, "Close")),
+    el("div", {class: "inside"}, left, right));
   dialog.showModal();
 }
 

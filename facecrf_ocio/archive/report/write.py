@@ -13,10 +13,10 @@ import cv2
 from facecrf_ocio.archive.report.gather import Archive, Row, gather
 from facecrf_ocio.archive.report.page import render
 from facecrf_ocio.archive.report.pictures import Pictures, pictures_of
+from facecrf_ocio.archive.verify import REPORT
 from facecrf_ocio.errors import OutputError
 from facecrf_ocio.export.atomic import Draft, require_free, write_files
 
-NAME = "facecrf-report.html"
 PICTURED = 10_000
 """Photos that get pictures unless more are asked for: a page of some 50 MB, as browsers like."""
 
@@ -50,7 +50,7 @@ def write_report(
     folder
         Where the batch wrote to. The photos are looked up where its manifest says, and only read.
     path
-        File to write, `NAME` in the folder by default.
+        File to write, `verify.REPORT` in the folder by default.
     overwrite
         Replace an existing file.
     limit
@@ -63,7 +63,7 @@ def write_report(
     OutputError
         If there is no manifest, or the report exists, or cannot be written.
     """
-    path = folder / NAME if path is None else path
+    path = folder / REPORT if path is None else path
     if path.suffix.lower() not in (".html", ".htm"):
         raise OutputError(f"{path}: is not named as a page; give it the suffix .html")
     require_free(path, overwrite=overwrite)
