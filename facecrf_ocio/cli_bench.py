@@ -20,7 +20,7 @@ from facecrf_ocio.cli_terminal import (
     require_writable,
 )
 from facecrf_ocio.errors import SettingsError
-from facecrf_ocio.settings import ESTIMATOR_NAMES, Settings
+from facecrf_ocio.settings import ESTIMATOR_NAMES, PRIORS, Settings
 
 if TYPE_CHECKING:
     from facecrf_ocio.benchmark.cases import Plan
@@ -75,6 +75,13 @@ def bench() -> None:
 )
 @click.option("--every", type=click.IntRange(1), default=1, help="Test every n-th curve.")
 @click.option("--limit-curves", type=click.IntRange(1), help="Test so many, spread evenly.")
+@click.option(
+    "--prior",
+    type=click.Choice(PRIORS),
+    default="auto",
+    show_default=True,
+    help="What joint is told of the responses' family.",
+)
 @click.option(
     "--set",
     "assignments",
@@ -157,6 +164,29 @@ def ablations(
     rows = spread_rows(len(responses.inverse), limit=limit_curves)
     with _progress() as progress:
         text, files = run_ablations(AblationPlan(tuple(known), responses, rows), output, progress)
+    return _told(text, files)
+
+
+@bench.command()
+@click.option("--faces", required=True, type=_PATH, metavar="DIR", help="Linear images.")
+@click.option("--pattern", default="*", help="Names to take from it.")
+@click.option("--curves", required=True, type=_PATH, metavar="FILE", help="Responses.")
+@click.option("--limit-curves", type=click.IntRange(1), help="Test so many, spread evenly.")
+@click.option("--protocol", type=click.Choice(["held-out", "paper"]), default="held-out")
+@click.option("--prior", type=click.Choice(PRIORS), default="auto", show_default=True)
+@click.option("-o", "--output", required=True, type=_PATH, metavar="DIR")
+@ending_well
+def cues(output: Path, **choices: Any) -> int:
+    """Leave out each cue of joint, ask each alone, and put the photos of a camera together."""
+    from facecrf_ocio.benchmark.cue_shares import run_cues
+
+    unused = {"estimators": "joint", "assignments": (), "every": 1, "folds": 5}
+    camera = {"bits": 8, "jpeg": None, "noise": None, "seed": 0}
+    plan = _plan(**unused, **camera, **choices)
+    require_writable(output)
+    output.mkdir(parents=True, exist_ok=True)
+    with _progress() as progress:
+        text, files = run_cues(plan, output, progress)
     return _told(text, files)
 
 
@@ -357,6 +387,7 @@ def _plan(
         encoding=encoding,
         settings=settings,
         seed=rest["seed"],
+        prior=rest["prior"],
     )
 
 

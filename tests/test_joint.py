@@ -19,6 +19,7 @@ from facecrf_ocio import (
 )
 from facecrf_ocio.confidence import demand
 from facecrf_ocio.joint import shipped_joint
+from facecrf_ocio.joint.messages import COMBINED
 from facecrf_ocio.joint.metadata import modern_leaning
 from facecrf_ocio.joint.statistics import CUES
 from facecrf_ocio.synthetic import SyntheticSpec, gamma_curve, photograph, render_face
@@ -59,7 +60,7 @@ def test_more_bits_do_not_change_what_a_cue_sees(photos):
 
 
 def test_every_cue_speaks(evidence):
-    assert set(evidence[0].messages) == set(CUES)
+    assert set(evidence[0].messages) == {*CUES, COMBINED}
 
 
 def test_the_curve_is_nearer_to_the_truth_than_taking_codes_for_light(photos):

@@ -34,7 +34,8 @@ _NOT_MEASURED = (
     "synthetic/*",
 )
 _NOT_MEASURED_HERE = (
-    *("ablation.py", "ablations.py", "figures.py", "images.py", "page.py", "pairs.py"),
+    *("ablation.py", "ablations.py", "cue_shares.py", "figures.py", "images.py", "page.py"),
+    "pairs.py",
     *("pool.py", "store.py", "tables.py", "truth.py", "written.py"),
 )
 
@@ -92,6 +93,8 @@ class Plan:
         Of the camera and of the estimators.
     seed
         Of the noise.
+    prior
+        What `joint` is told of the responses' family: `auto`, `dorf` or `modern`.
     """
 
     images: tuple[LinearImage, ...]
@@ -103,6 +106,7 @@ class Plan:
     encoding: Encoding = field(default_factory=Encoding)
     settings: Settings = field(default_factory=Settings)
     seed: int = 0
+    prior: str = "auto"
 
     def cases(self) -> Iterator[Case]:
         """Every case, in the order of the results."""
@@ -152,6 +156,7 @@ class Plan:
             "encoding": asdict(self.encoding),
             "settings": asdict(self.settings),
             "seed": self.seed,
+            "prior": self.prior,
         }
 
     def description(self) -> dict[str, object]:

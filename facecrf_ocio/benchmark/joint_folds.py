@@ -1,8 +1,8 @@
 """What the joint estimator may have learned when a fold of responses is held out.
 
-For DoRF in five folds the package brings weights that were trained without each fold's rows and
-their guard. Responses of other files are strangers to the shipped weights anyhow, except those that
-these were trained with.
+For the two files of responses that the shipped weights were trained with, in five folds, the
+package brings weights that were trained without each fold: DoRF's rows with their guard, and whole
+makers of the modern ones. Responses of other files are strangers to the shipped weights anyhow.
 """
 
 from __future__ import annotations
@@ -31,14 +31,15 @@ def joint_model(responses: Responses, fold: int | None) -> JointModel:
     """
     if fold is None or responses.sha256 not in (DORF, MODERN):
         return shipped_joint()
-    if responses.sha256 == MODERN or not 0 <= fold < FOLDS:
+    if not 0 <= fold < FOLDS:
         raise SettingsError(
             f"{responses.path}: joint was trained with these responses, and there are no weights "
-            "without this fold; use --protocol paper, or DoRF in five folds"
+            f"without this fold; use --protocol paper, or --folds {FOLDS}"
         )
-    return _held_out(fold)
+    return _held_out("dorf" if responses.sha256 == DORF else "modern", fold)
 
 
 @cache
-def _held_out(fold: int) -> JointModel:
-    return load_joint(Path(str(files("facecrf_ocio.benchmark") / f"joint_fold{fold}.npz")))
+def _held_out(family: str, fold: int) -> JointModel:
+    name = f"joint_without_{family}{fold}.npz"
+    return load_joint(Path(str(files("facecrf_ocio.benchmark") / name)))

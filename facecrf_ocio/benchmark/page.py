@@ -8,8 +8,16 @@ from pathlib import Path
 
 from facecrf_ocio.errors import PhotoError
 
-_TABLES = {"table.md": "Synthetic photos (Table 1)", "ablations.md": "Ablations"}
-_RECORDS = {"table.md": "results.json", "ablations.md": "ablations.json"}
+_TABLES = {
+    "table.md": "Synthetic photos (Table 1)",
+    "cues.md": "The cues of joint",
+    "ablations.md": "Ablations",
+}
+_RECORDS = {
+    "table.md": "results.json",
+    "cues.md": "cues.json",
+    "ablations.md": "ablations.json",
+}
 _PICTURES = {
     "fig2_gamma.png": "Energies over candidate gammas, for cameras of gamma 0.3 to 1 (Fig. 2). "
     "With exact log ratios a common exponent only scales the matrices of eq. 16, so that E_p can "

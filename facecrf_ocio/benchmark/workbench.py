@@ -115,7 +115,13 @@ class Workbench:
             fold=self._fold(case),
             truth=responses.inverse[case.row],
         )
-        asked = Asked(case.estimator, self._plan.settings, self._judge(case), self.model(case))
+        asked = Asked(
+            case.estimator,
+            self._plan.settings,
+            self._judge(case),
+            self.model(case),
+            self._plan.prior,
+        )
         return measure(subject, photo, counts, asked)
 
     def _fold(self, case: Case) -> int | None:
@@ -147,12 +153,16 @@ class Subject:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Asked:
-    """An estimator, what it may know, and the prior whose mean stands in where it refuses."""
+    """An estimator, what it may know, and the prior whose mean stands in where it refuses.
+
+    `told` is what `joint` is told of the response's family.
+    """
 
     estimator: str
     settings: Settings
     model: ResponseModel | JointModel | None = None
     prior: ResponseModel | None = None
+    told: str = "auto"
 
 
 def measure(subject: Subject, photo: Photo, counts: np.ndarray, asked: Asked) -> Result:
@@ -201,7 +211,11 @@ def _estimate(photo: Photo, asked: Asked) -> tuple[Estimate, str]:
     """The estimate, and what broke if the estimator did: one photo must not end a night's run."""
     try:
         estimate = calibrate(
-            photo, estimator=asked.estimator, settings=asked.settings, model=asked.model
+            photo,
+            estimator=asked.estimator,
+            prior=asked.told,
+            settings=asked.settings,
+            model=asked.model,
         )
         return estimate, ""
     except Exception as error:

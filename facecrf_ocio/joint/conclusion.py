@@ -12,7 +12,7 @@ import numpy as np
 
 from facecrf_ocio.joint.evidence import COVERAGE_BINS, PhotoEvidence
 from facecrf_ocio.joint.fuse import agreeing_shares, multiply
-from facecrf_ocio.joint.messages import Networks, load_networks
+from facecrf_ocio.joint.messages import COMBINED, Networks, load_networks
 from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior, load_prior
 from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import dorf_model, inverse_crf, strictly_increasing
@@ -28,7 +28,7 @@ from facecrf_ocio.values import (
 
 # Share of the posterior's curves to which the estimate is nearer than sRGB decoding, and the
 # expected error, from which an estimate is called reliable.
-RELIABLE_SHARE = 0.98
+RELIABLE_SHARE = 0.95
 RELIABLE_ERROR = 0.045
 # Photos of one camera err alike in part (what a cue does not know of any photo): the correlation of
 # their errors.
@@ -110,7 +110,7 @@ def conclude(
             coefficients=np.tile(coefficients, (len(CHANNELS), 1)),
         )
     faces = tuple(e.face for e in telling if e.face is not None)
-    cues = sorted({cue for e in telling for cue in e.messages})
+    cues = sorted({cue for e in telling for cue in e.messages} - {COMBINED})
     photos = "1 photo" if len(telling) == 1 else f"{len(telling)} photos"
     return Estimate(
         Outcome.CALIBRATED,

@@ -10,17 +10,17 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import partial
 
 import numpy as np
 
+from facecrf_ocio.cues.evidence import Lacking
 from facecrf_ocio.cues.face import cut_face, lacking_faces
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.joint.messages import Networks, shipped_networks
 from facecrf_ocio.joint.metadata import modern_leaning
 from facecrf_ocio.joint.prior import Message
-from facecrf_ocio.joint.statistics import face_statistics, photo_statistics
+from facecrf_ocio.joint.statistics import Statistics, face_statistics, photo_statistics
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Face, Float, Photo
 
@@ -101,28 +101,41 @@ def gather(
 
     A photo without a face, or without color, gives evidence without messages that says why.
     """
-    settings = settings or Settings()
     networks = networks or shipped_networks()
     leaning = modern_leaning(photo.camera)
-    lacking = partial(PhotoEvidence, {}, np.zeros((3, COVERAGE_BINS)), leaning)
+    seen = observe(photo, settings or Settings())
+    if isinstance(seen, Lacking):
+        nothing = np.zeros((3, COVERAGE_BINS))
+        return PhotoEvidence({}, nothing, leaning, seen.reason, seen.remedy)
+    messages = networks.messages(seen.statistics.by_cue)
+    return PhotoEvidence(messages, _histograms(seen.statistics.encoded), leaning, face=seen.face)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Observation:
+    """What every cue measures in one photo, and the face it is measured on."""
+
+    statistics: Statistics
+    face: Face
+
+
+def observe(photo: Photo, settings: Settings) -> Observation | Lacking:
+    """Statistics of one photo and its largest face, or why there are none."""
     if photo.grayscale and photo.encoded.min() == photo.encoded.max():
-        return lacking("all pixels have one color", "use a photo with a face")
+        return Lacking("all pixels have one color", "use a photo with a face")
     if photo.grayscale:
-        return lacking("the photo is grayscale, and skin shows its response only in color", _COLOR)
+        return Lacking("the photo is grayscale, and skin shows its response only in color", _COLOR)
     found = find_faces(photo.encoded, settings)
     if not found.faces:
-        why = lacking_faces(found, settings)
-        return lacking(why.reason, why.remedy)
+        return lacking_faces(found, settings)
     face = max(found.faces, key=lambda candidate: float(candidate.box_xy[2]))
     # The networks know 8-bit photos: rounding is part of the noise they learned from.
     finer = photo.bit_depth != 8
-    statistics = face_statistics(cut_face(photo, face, settings, to_8_bits=finer), settings)
-    if statistics is None:
-        return lacking("the face shows too little skin of one hue", _LARGER)
-    by_cue = {**photo_statistics(photo.encoded, to_8_bits=finer), **statistics.by_cue}
-    return PhotoEvidence(
-        networks.messages(by_cue), _histograms(statistics.encoded), leaning, face=face
-    )
+    of_face = face_statistics(cut_face(photo, face, settings, to_8_bits=finer), settings)
+    if of_face is None:
+        return Lacking("the face shows too little skin of one hue", _LARGER)
+    by_cue = {**photo_statistics(photo.encoded, to_8_bits=finer), **of_face.by_cue}
+    return Observation(Statistics(by_cue, of_face.encoded), face)
 
 
 def _histograms(encoded: Float) -> Float:

@@ -2,7 +2,8 @@
 
 Each network answers with a mean and a precision for every coefficient. They were trained together,
 with cues left out at random, so that the precisions hold for any set of cues a photo shows: what
-two cues share is not counted twice.
+two cues share is not counted twice. One more network sees the statistics of all cues at once, for
+what only their relation tells, such as noise beside the brightness of the skin.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from facecrf_ocio.joint.prior import Message
 from facecrf_ocio.joint.statistics import CUES
 from facecrf_ocio.values import Float
 
+COMBINED = "combined"  # the network that sees all cues
 FARTHEST = 5.0  # standard deviations; training never saw statistics beyond
 LOG_PRECISION = (-8.0, 6.0)
 
@@ -40,9 +42,13 @@ class CueNetwork:
     scale: Float
     layers: tuple[tuple[Float, Float], ...]
 
+    def standardized(self, statistics: Float) -> Float:
+        """Statistics in standard deviations of those in training."""
+        return np.clip((statistics - self.center) / self.scale, -FARTHEST, FARTHEST)
+
     def message(self, statistics: Float) -> Message:
         """What the cue says of one photo."""
-        hidden = np.clip((statistics - self.center) / self.scale, -FARTHEST, FARTHEST)
+        hidden = self.standardized(statistics)
         for weight, bias in self.layers[:2]:
             hidden = np.tanh(weight @ hidden + bias)
         (to_mean, mean_bias), (to_log, log_bias) = self.layers[2:]
@@ -52,25 +58,38 @@ class CueNetwork:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Networks:
-    """An ensemble of networks for every cue.
+    """An ensemble of networks for every cue, and for all cues combined.
 
     Attributes
     ----------
     members
-        For each cue, its networks.
+        For each cue, and for `COMBINED`, its networks.
     """
 
     members: Mapping[str, tuple[CueNetwork, ...]]
 
     def messages(self, statistics: Mapping[str, Float]) -> dict[str, Message]:
         """What each cue says; the members of the ensemble are averaged by their precisions."""
+        if not statistics:
+            return {}
         found = {}
-        for cue, vector in statistics.items():
+        for cue, vector in {**statistics, COMBINED: self._combined(statistics)}.items():
             said = [network.message(vector) for network in self.members[cue]]
             precision = np.mean([m.precision for m in said], axis=0)
             pull = np.mean([m.precision * m.mean for m in said], axis=0)
             found[cue] = Message(pull / precision, precision)
         return found
+
+    def _combined(self, statistics: Mapping[str, Float]) -> Float:
+        """All statistics standardized, each cue's followed by 1; zeros for a cue not shown."""
+        parts = []
+        for cue in CUES:
+            network = self.members[cue][0]
+            if cue in statistics:
+                parts += [network.standardized(statistics[cue]), np.ones(1)]
+            else:
+                parts.append(np.zeros(network.center.size + 1))
+        return np.concatenate(parts)
 
 
 def load_networks(path: Path) -> Networks:
@@ -93,7 +112,7 @@ def load_networks(path: Path) -> Networks:
                     )
                     for member in range(count)
                 )
-                for cue in CUES
+                for cue in (*CUES, COMBINED)
             }
         )
 

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import pickle
 from pathlib import Path
+from typing import Any
 
 import click
 import cv2
 import numpy as np
 
-from facecrf_ocio.training.curves import FOLDS, read_curves, rows_outside
+from facecrf_ocio.training.curves import FOLDS, NO_ROW, read_curves, rows_outside
 from facecrf_ocio.training.simulate import Example, simulate
 
 
@@ -41,20 +42,14 @@ def simulate_command(
 @main.command("fit")
 @click.argument("parts", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--fold", type=click.IntRange(0, FOLDS - 1), help="Fold of DoRF to hold out.")
+@click.option("--without", multiple=True, metavar="MAKER", help="Modern maker to hold out.")
+@click.option("--modern", type=click.Path(path_type=Path), help="The file that names the makers.")
 @click.option("--rows", default=201, show_default=True, help="Responses in DoRF.")
 @click.option("--epochs", default=20, show_default=True)
 @click.option("--members", default=3, show_default=True)
 @click.option("--band-scale", default=1.0, show_default=True, help="As `JointModel` explains.")
 @click.option("-o", "--output", required=True, type=click.Path(path_type=Path))
-def fit_command(
-    parts: tuple[Path, ...],
-    fold: int | None,
-    rows: int,
-    epochs: int,
-    members: int,
-    band_scale: float,
-    output: Path,
-) -> None:
+def fit_command(parts: tuple[Path, ...], output: Path, **choices: Any) -> None:
     """Fit prior and networks to the PARTS that `simulate` stored (only load your own files)."""
     import torch  # noqa: PLC0415
 
@@ -69,16 +64,38 @@ def fit_command(
     examples: list[Example] = []
     for part in parts:
         examples += pickle.loads(part.read_bytes())  # noqa: S301
-    if fold is not None:
-        seen = rows_outside(fold, rows)
-        examples = [e for e in examples if e.family or seen[e.row]]
+    examples = _kept(examples, **choices)
     prior, analysis = fit_prior(
         np.array([e.inverse for e in examples], dtype=np.float64),
         np.array([e.family for e in examples]),
     )
-    training = Training(epochs=epochs, members=members)
-    networks = [fit_networks(examples, prior, analysis, training, seed) for seed in range(members)]
-    save_joint(output, prior, networks, band_scale)
+    training = Training(epochs=choices["epochs"], members=choices["members"])
+    networks = [
+        fit_networks(examples, prior, analysis, training, seed) for seed in range(training.members)
+    ]
+    save_joint(output, prior, networks, choices["band_scale"])
+
+
+def _kept(
+    examples: list[Example],
+    *,
+    fold: int | None,
+    rows: int,
+    without: tuple[str, ...],
+    modern: Path | None,
+    **_: object,
+) -> list[Example]:
+    """The examples of responses that are not held out."""
+    if fold is not None:
+        seen = rows_outside(fold, rows)
+        examples = [e for e in examples if e.family or e.row == NO_ROW or seen[e.row]]
+    if not without:
+        return examples
+    if modern is None:
+        raise click.UsageError("--without needs --modern, the file that names the makers")
+    with np.load(modern) as stored:
+        left_out = np.isin(stored["maker"], without)
+    return [e for e in examples if not e.family or not left_out[e.row]]
 
 
 if __name__ == "__main__":

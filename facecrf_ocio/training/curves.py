@@ -14,6 +14,9 @@ from facecrf_ocio.values import Float, Index
 
 FOLDS = 5
 _NEAREST = 12
+_POWERS = 0.15  # share of pure powers among the varied curves of DoRF's family
+_RARE = 0.25  # root mean square distance from the mean curve
+NO_ROW = -1
 _KINDS = {"camera_jpeg": 0.4, "webcam": 0.35, "phone_isp": 0.2, "raw_converter": 0.05}
 
 
@@ -28,7 +31,7 @@ class Draw:
     family
         0 for DoRF, 1 for modern ones, as in `joint.prior.FAMILIES`.
     row
-        Of the measured response, or of the first of two.
+        Of the measured response, or of the first of two; `NO_ROW` for a curve of no camera.
     """
 
     inverse: Float
@@ -48,11 +51,14 @@ class CurveSource:
         (D, 1024).
     kind
         (D,) of each modern response.
+    maker
+        (D,) of each modern response; those of one maker are mixed.
     """
 
     dorf: Float
     modern: Float
     kind: tuple[str, ...]
+    maker: tuple[str, ...]
 
     def draw(self, generator: np.random.Generator, *, measured: bool) -> Draw:
         """A response of either family with equal odds.
@@ -63,20 +69,26 @@ class CurveSource:
             Source of randomness.
         measured
             True for a measured one as it is; False for one between it and a neighbor, with another
-            exponent and sometimes another white, so that the curves of unseen makers are not
-            farther from the trained ones than these are from each other.
+            exponent and sometimes another shape or white, or for a pure power, so that curves of
+            unseen makers are not farther from the trained ones than these are from each other.
         """
         family = int(generator.random() < 0.5)
-        row, curve = (self._modern if family else self._dorf)(generator, measured)
+        if not measured and not family and generator.random() < _POWERS:
+            row, curve = NO_ROW, _power(generator)
+        else:
+            row, curve = (self._modern if family else self._dorf)(generator, measured)
         if not measured:
-            curve = curve ** np.exp(generator.normal(0.0, (0.06, 0.12)[family]))
+            spread = 0.08 if generator.random() < 0.8 else 0.3
+            curve = curve ** np.exp(generator.normal(0.0, spread))
+            if generator.random() < 0.3:
+                curve = _warped(curve, generator)
             if generator.random() < 0.5:
                 curve = _with_white(curve, 1.0 - abs(generator.normal(0.0, 0.08)))
-        return Draw(np.maximum.accumulate(curve), family, row)
+        return Draw(np.maximum.accumulate(np.clip(curve, 0.0, 1.0)), family, row)
 
     def _dorf(self, generator: np.random.Generator, measured: bool) -> tuple[int, Float]:
         """A neighbor to mix with comes from the same fold: what is held out must not leak."""
-        row = int(generator.integers(len(self.dorf)))
+        row = int(generator.choice(len(self.dorf), p=self._odds()))
         curve = self.dorf[row]
         if measured or generator.random() < 0.4:
             return row, curve
@@ -87,6 +99,12 @@ class CurveSource:
         share = 0.6 * generator.random()
         return row, (1.0 - share) * curve + share * other
 
+    def _odds(self) -> Float:
+        """Rare shapes are drawn up to three times as often: errors on them are the largest."""
+        distance = np.sqrt(((self.dorf - self.dorf.mean(axis=0)) ** 2).mean(axis=1))
+        odds = 1.0 + 2.0 * np.minimum(distance / _RARE, 1.0)
+        return np.asarray(odds / odds.sum())
+
     def _modern(self, generator: np.random.Generator, measured: bool) -> tuple[int, Float]:
         kind = str(generator.choice(list(_KINDS), p=list(_KINDS.values())))
         rows = np.flatnonzero([k == kind for k in self.kind])
@@ -95,7 +113,8 @@ class CurveSource:
         if measured or generator.random() < 0.3:
             return row, curve
         share = generator.random()
-        return row, (1.0 - share) * curve + share * self.modern[generator.choice(rows)]
+        siblings = [other for other in rows if self.maker[other] == self.maker[row]]
+        return row, (1.0 - share) * curve + share * self.modern[generator.choice(siblings)]
 
 
 def read_curves(dorf: Path, modern: Path) -> CurveSource:
@@ -104,7 +123,8 @@ def read_curves(dorf: Path, modern: Path) -> CurveSource:
     digital = read_responses(modern).inverse.mean(axis=1)
     with np.load(modern) as stored:
         kind = tuple(str(k) for k in stored["kind"])
-    return CurveSource(film, digital, kind)
+        maker = tuple(str(m) for m in stored["maker"])
+    return CurveSource(film, digital, kind, maker)
 
 
 def fold_of_rows(count: int) -> Index:
@@ -125,3 +145,16 @@ def _with_white(curve: Float, white: float) -> Float:
     grid = np.linspace(0.0, 1.0, curve.size)
     cut = np.interp(grid * white, grid, curve)
     return np.asarray(cut / cut[-1])
+
+
+def _warped(curve: Float, generator: np.random.Generator) -> Float:
+    """The same response with a gentle, smooth change of shape that leaves its ends in place."""
+    order = np.arange(1, 5)
+    heights = generator.normal(0.0, 0.02, order.size) / np.sqrt(order)
+    return np.asarray(curve + heights @ np.sin(np.pi * order[:, None] * curve))
+
+
+def _power(generator: np.random.Generator) -> Float:
+    """A gamma curve, from one that darkens to the steepest of film."""
+    exponent = np.exp(generator.uniform(np.log(0.4), np.log(3.5)))
+    return np.asarray(np.linspace(0.0, 1.0, 1024) ** exponent)

@@ -16,7 +16,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from facecrf_ocio.joint.messages import FARTHEST, LOG_PRECISION
+from facecrf_ocio.joint.messages import COMBINED, FARTHEST, LOG_PRECISION
 from facecrf_ocio.joint.prior import FAMILIES, FamilyPrior
 from facecrf_ocio.joint.statistics import CUES
 from facecrf_ocio.response.mixture import fit_mixture
@@ -163,7 +163,7 @@ def fit_networks(
     training: Training,
     seed: int,
 ) -> dict[str, Float]:
-    """Train one network for each cue, together.
+    """Train one network for each cue, and one that sees all of them, together.
 
     Returns
     -------
@@ -182,6 +182,8 @@ def fit_networks(
     networks = nn.ModuleDict(
         {cue: _Network(given[cue][0].shape[1], training.dropout) for cue in CUES}
     )
+    combined_size = sum(statistics.shape[1] + 1 for statistics, _ in given.values())
+    networks[COMBINED] = _Network(combined_size, training.dropout)
     batches = len(examples) // _BATCH
     optimizer = torch.optim.AdamW(networks.parameters(), training.rate, weight_decay=training.decay)
     schedule = torch.optim.lr_scheduler.OneCycleLR(
@@ -226,16 +228,21 @@ def _fuse(
     chosen: Tensor,
     cue_dropout: float,
 ) -> tuple[Tensor, Tensor]:
+    """Mean and precision of all messages but those left out at random."""
     precision = torch.full((len(chosen), COEFFICIENTS), _NO_MESSAGE)
     pull = torch.zeros_like(precision)
+    shown = []
     for cue, (statistics, present) in given.items():
+        kept = (present[chosen] * (torch.rand(len(chosen)) >= cue_dropout))[:, None]
         seen = statistics[chosen]
-        mean, own = networks[cue](seen + _JITTER * torch.randn_like(seen))
-        kept = present[chosen] * (torch.rand(len(chosen)) >= cue_dropout)
-        own = own * kept[:, None]
-        precision = precision + own
-        pull = pull + own * mean
-    return pull / precision, precision
+        seen = (seen + _JITTER * torch.randn_like(seen)) * kept
+        shown += [seen, kept]
+        mean, own = networks[cue](seen)
+        precision = precision + own * kept
+        pull = pull + own * kept * mean
+    mean, own = networks[COMBINED](torch.cat(shown, 1))
+    own = own * (torch.rand(len(chosen)) >= cue_dropout)[:, None]
+    return (pull + own * mean) / (precision + own), precision + own
 
 
 def _scaling(examples: Sequence[Example], cue: str) -> tuple[Float, Float]:
@@ -258,8 +265,9 @@ def _inputs(
 def _arrays(
     networks: nn.ModuleDict, scaling: Mapping[str, tuple[Float, Float]]
 ) -> dict[str, Float]:
+    size: int = networks[COMBINED].layers[0].in_features  # type: ignore[union-attr,index,assignment]
     arrays = {}
-    for cue, (center, scale) in scaling.items():
+    for cue, (center, scale) in {**scaling, COMBINED: (np.zeros(size), np.ones(size))}.items():
         arrays[f"{cue}/center"], arrays[f"{cue}/scale"] = center, scale
         layers: Any = networks[cue].layers
         for number, layer in enumerate(layers):

@@ -26,7 +26,9 @@ from facecrf_ocio.training.curves import CurveSource
 from facecrf_ocio.values import Float, Photo
 
 _LEVELS = 16384
-_MEASURED_SHARE = 4  # one photo in so many is encoded by a measured response, without variation
+_SIZES = (0.6, 1.5)
+_SIZE_ODDS = (0.6, 0.25, 0.15)
+_MEASURED_SHARE = 3  # one photo in so many is encoded by a measured response, without variation
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,21 +78,48 @@ def simulate(path: Path, source: CurveSource, count: int, seed: int) -> Iterator
     """
     settings = Settings()
     linear = np.clip(read_photo(path).encoded, 0.0, 1.0)
-    view, corner = _view(path, linear, settings)
+    stands = _stands(path, linear, settings)
     generator = np.random.default_rng([seed, *path.name.encode()])
     for number in range(count):
         measured = number % _MEASURED_SHARE == 0
         drawn = source.draw(generator, measured=measured)
-        light = linear if measured else _vary(linear, generator)
+        stand = stands[0]
+        if not measured:
+            size = int(generator.choice(len(_SIZE_ODDS), p=_SIZE_ODDS))
+            stand = stands[min(size, len(stands) - 1)]
+        light = stand.linear if measured else _vary(stand.linear, generator)
         encoded = _encode(light, drawn.inverse)
-        if not measured and generator.random() < 0.3:
-            encoded = _compress(encoded, int(generator.integers(80, 97)))
+        if not measured:
+            encoded = process(encoded, generator)
         by_cue = dict(photo_statistics(encoded))
-        of_face = face_statistics(_look_again(view, encoded, corner), settings)
+        of_face = face_statistics(_look_again(stand, encoded), settings)
         if of_face is not None:
             by_cue.update(of_face.by_cue)
         curve = drawn.inverse.astype(np.float32)
         yield Example(path.name, drawn.family, drawn.row, measured, curve, by_cue)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Stand:
+    """A head at one size, the face in it, and where the cut of the face begins."""
+
+    linear: npt.NDArray[np.float32]
+    view: FaceView
+    corner: tuple[int, int]
+
+
+def _stands(path: Path, linear: npt.NDArray[np.float32], settings: Settings) -> tuple[_Stand, ...]:
+    """The head as stored, and at the other sizes at which its face is still found."""
+    stands = [_Stand(linear, *_view(path, linear, settings))]
+    for size in _SIZES:
+        how = cv2.INTER_AREA if size < 1.0 else cv2.INTER_CUBIC
+        resized = cv2.resize(linear, None, fx=size, fy=size, interpolation=how)
+        scaled: npt.NDArray[np.float32] = np.clip(resized, 0.0, 1.0).astype(np.float32)
+        try:
+            stands.append(_Stand(scaled, *_view(path, scaled, settings)))
+        except PhotoError:
+            continue
+    return tuple(stands)
 
 
 def _view(
@@ -108,14 +137,13 @@ def _view(
     return view, (int(left), int(top))
 
 
-def _look_again(
-    view: FaceView, encoded: npt.NDArray[np.float32], corner: tuple[int, int]
-) -> FaceView:
+def _look_again(stand: _Stand, encoded: npt.NDArray[np.float32]) -> FaceView:
+    view, (left, top) = stand.view, stand.corner
     height, width = view.native.shape[:2]
-    native = encoded[corner[1] : corner[1] + height, corner[0] : corner[0] + width]
-    size = view.encoded.shape[1::-1]
+    native = encoded[top : top + height, left : left + width]
     scaled = native
     if view.encoded.shape != native.shape:
+        size = view.encoded.shape[1::-1]
         scaled = np.asarray(cv2.resize(native, size, interpolation=cv2.INTER_AREA), np.float32)
     return replace(view, encoded=scaled, native=native)
 
@@ -123,16 +151,61 @@ def _look_again(
 def _vary(
     linear: npt.NDArray[np.float32], generator: np.random.Generator
 ) -> npt.NDArray[np.float32]:
-    """Another exposure, white balance, noise and sharpness."""
-    gains = 2.0 ** generator.uniform(-0.9, 0.5) * np.exp(generator.normal(0.0, 0.06, 3))
-    light = linear * gains.astype(np.float32)
+    """Another light, color matrix, exposure, white balance, noise and sharpness."""
+    light = linear
+    if generator.random() < 0.4:
+        light = _saturate(light, np.exp(generator.normal(0.0, 0.25)))
+    if generator.random() < 0.3:
+        light = light * _uneven_light(light.shape[:2], generator)
+    stops = generator.uniform(*((-0.9, 0.5) if generator.random() < 0.8 else (-3.5, 0.9)))
+    spread = 0.06 if generator.random() < 0.7 else 0.15
+    gains = 2.0**stops * np.exp(generator.normal(0.0, spread, 3))
+    light = light * gains.astype(np.float32)
+    if generator.random() < 0.25:
+        light = np.asarray(cv2.GaussianBlur(light, (0, 0), generator.uniform(0.5, 2.0)))
     if generator.random() < 0.5:
         full_well = FULL_WELL_ISO_100 / 2.0 ** generator.uniform(0.0, 5.0)
         deviation = np.sqrt(light / full_well + (READ_NOISE / full_well) ** 2)
         light = light + generator.standard_normal(light.shape, dtype=np.float32) * deviation
-    if generator.random() < 0.3:
-        light = np.asarray(cv2.GaussianBlur(light, (0, 0), generator.uniform(0.4, 1.5)))
+    if generator.random() < 0.25:
+        light = np.asarray(cv2.GaussianBlur(light, (0, 0), generator.uniform(0.4, 1.0)))
     return np.asarray(np.clip(light, 0.0, 1.0), dtype=np.float32)
+
+
+def _saturate(light: npt.NDArray[np.float32], factor: float) -> npt.NDArray[np.float32]:
+    """Other primaries, roughly: every color moved from, or toward, its gray."""
+    gray = light.mean(axis=2, keepdims=True)
+    return np.asarray(np.maximum(gray + factor * (light - gray), 0.0), dtype=np.float32)
+
+
+def _uneven_light(
+    shape: tuple[int, int], generator: np.random.Generator
+) -> npt.NDArray[np.float32]:
+    """A smooth field of light (H, W, 3), a little of it colored: a second, mixed illuminant."""
+    coarse = generator.normal(0.0, 0.25, (3, 3, 1)) + generator.normal(0.0, 0.05, (3, 3, 3))
+    field = cv2.resize(np.exp(coarse), shape[::-1], interpolation=cv2.INTER_CUBIC)
+    return np.asarray(field, dtype=np.float32)
+
+
+def process(
+    encoded: npt.NDArray[np.float32], generator: np.random.Generator
+) -> npt.NDArray[np.float32]:
+    """What software may do to encoded values before a photo is stored; often nothing."""
+    if generator.random() < 0.3:
+        codes = np.rint(encoded * 255.0).astype(np.uint8)
+        strength = generator.uniform(0.3, 1.2)
+        kind = int(generator.integers(4))
+        if kind == 0:
+            codes = cv2.bilateralFilter(codes, 5, 25.0 * strength, 2.0)
+        elif kind == 1:
+            codes = cv2.medianBlur(codes, 3)
+        else:
+            soft = cv2.GaussianBlur(codes, (0, 0), strength)
+            codes = soft if kind == 2 else cv2.addWeighted(codes, 1 + strength, soft, -strength, 0)
+        encoded = codes.astype(np.float32) / np.float32(255.0)
+    if generator.random() < 0.3:
+        encoded = _compress(encoded, int(generator.integers(70, 98)))
+    return encoded
 
 
 def _encode(linear: npt.NDArray[np.float32], inverse: Float) -> npt.NDArray[np.float32]:

@@ -1,0 +1,187 @@
+"""`facecrf bench cues`: what each cue of `joint` earns, and what several photos earn together.
+
+The statistics of a photo do not depend on the weights, so they are measured once and judged again
+with a cue left out, with one cue alone, and together with other photos through the same response.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from facecrf_ocio.benchmark.cases import HELD_OUT, Plan
+from facecrf_ocio.benchmark.joint_folds import joint_model
+from facecrf_ocio.benchmark.tables import csv_table, markdown_table
+from facecrf_ocio.benchmark.workbench import Workbench
+from facecrf_ocio.export.atomic import Draft, write_files
+from facecrf_ocio.export.strict_json import dump
+from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude
+from facecrf_ocio.joint.evidence import COVERAGE_BINS, Observation, observe
+from facecrf_ocio.joint.statistics import CUES
+from facecrf_ocio.values import Float
+
+ALL, ALONE, WITHOUT, TOGETHER = "all", "alone", "without", "together"
+_DRAWS = 2000
+
+_LEGEND = """\
+RMSE of g x 100 on 1,024 uniform encoded values. alone: from one cue and the prior. without: from
+all the others. cost: what leaving the cue out adds to the mean error, with the 90 % interval of a
+bootstrap over images. together: one curve for all the images through one response, beside the mean
+error of the same photos one by one. cover: share of codes within the 90 % band."""
+
+
+@dataclass(frozen=True, slots=True)
+class CueResult:
+    """One judgment: `image` is empty, and `cue` too, where all images are judged together."""
+
+    use: str
+    cue: str
+    image: str
+    row: int
+    rmse: float
+    cover: float
+
+
+def run_cues(
+    plan: Plan, output: Path, progress: Callable[[int, int], None] = lambda *_: None
+) -> tuple[str, tuple[Path, ...]]:
+    """Measure and write `cues.md`, `cues.csv` and `cues.json`; returns the table and the files.
+
+    Parameters
+    ----------
+    plan
+        Images, responses, and the first of its protocols; its estimators do not matter.
+    output
+        Folder; earlier tables in it are replaced.
+    progress
+        Called with the number of finished photos and of all.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be written to.
+    SettingsError
+        If there are no weights without a fold of these responses.
+    """
+    bench = Workbench(plan)
+    fold_of = plan.fold_of() if plan.protocols[0] == HELD_OUT else None
+    results: list[CueResult] = []
+    seen: dict[int, list[Observation]] = {row: [] for row in plan.rows}
+    total = len(plan.images) * len(plan.rows)
+    for index, image in enumerate(plan.images):
+        for number, row in enumerate(plan.rows):
+            progress(index * len(plan.rows) + number, total)
+            model = joint_model(plan.responses, None if fold_of is None else int(fold_of[row]))
+            found = observe(bench.photograph(index, row), plan.settings)
+            if not isinstance(found, Observation):
+                continue
+            seen[row].append(found)
+            results += _judge_cues(plan, model, image.name, row, found)
+    for row, photos in seen.items():
+        model = joint_model(plan.responses, None if fold_of is None else int(fold_of[row]))
+        if len(photos) > 1:
+            evidence = [_evidence(model, one, CUES) for one in photos]
+            results.append(_judge(plan, model, (TOGETHER, "", "", row), evidence))
+    progress(total, total)
+    return _write(plan, results, output)
+
+
+def _judge_cues(
+    plan: Plan, model: JointModel, image: str, row: int, found: Observation
+) -> list[CueResult]:
+    chosen = [(ALL, "", CUES)]
+    for cue in CUES:
+        if cue in found.statistics.by_cue:
+            others = tuple(other for other in CUES if other != cue)
+            chosen += [(ALONE, cue, (cue,)), (WITHOUT, cue, others)]
+    return [
+        _judge(plan, model, (use, cue, image, row), [_evidence(model, found, cues)])
+        for use, cue, cues in chosen
+    ]
+
+
+def _evidence(model: JointModel, found: Observation, cues: Sequence[str]) -> PhotoEvidence:
+    by_cue = {cue: v for cue, v in found.statistics.by_cue.items() if cue in cues}
+    return PhotoEvidence(model.networks.messages(by_cue), np.zeros((3, COVERAGE_BINS)))
+
+
+def _judge(
+    plan: Plan,
+    model: JointModel,
+    case: tuple[str, str, str, int],
+    evidence: Sequence[PhotoEvidence],
+) -> CueResult:
+    estimate = conclude(evidence, plan.prior, model)
+    truth = plan.responses.inverse[case[3]]
+    grid = np.linspace(0.0, 1.0, truth.shape[1])
+    curve = estimate.curve
+    off = np.array([np.interp(grid, curve.encoded, c) for c in curve.linear]) - truth
+    sigma = np.zeros_like(off)
+    if estimate.confidence is not None:
+        of_code = estimate.confidence.sigma
+        sigma = np.array([np.interp(grid, curve.encoded, s) for s in of_code])
+    inside = np.abs(off) <= 1.645 * sigma
+    return CueResult(*case, float(np.sqrt((off**2).mean())), float(inside[:, 1:-1].mean()))
+
+
+def _write(plan: Plan, results: Sequence[CueResult], output: Path) -> tuple[str, tuple[Path, ...]]:
+    whole = {(r.image, r.row): r.rmse for r in results if r.use == ALL}
+    everything = 100 * np.array(list(whole.values()))
+    table = markdown_table(
+        ["cue", "alone median", "alone mean", "without median", "without mean", "cost"],
+        [
+            ["none left out", "", "", *_statistics(everything), ""],
+            *(_cells(cue, results, whole) for cue in CUES),
+        ],
+    )
+    lines = [f"What each cue of joint earns ({plan.protocols[0]}, {len(whole)} photos)", table]
+    joined = [r for r in results if r.use == TOGETHER]
+    if joined:
+        single = [np.mean([e for (_, row), e in whole.items() if row == r.row]) for r in joined]
+        errors, alone = 100 * np.array([r.rmse for r in joined]), 100 * np.array(single)
+        lines.append(
+            f"{len(plan.images)} photos together, {len(joined)} responses: mean error "
+            f"{errors.mean():.2f} (median {np.median(errors):.2f}) where one photo has "
+            f"{alone.mean():.2f}; the 90 % band covers "
+            f"{100 * np.mean([r.cover for r in joined]):.0f} %."
+        )
+    text = "\n\n".join([*lines, _LEGEND]) + "\n"
+    cases = [asdict(result) for result in results]
+    contents = {
+        "cues.md": text.encode(),
+        "cues.csv": csv_table(cases),
+        "cues.json": dump({"run": plan.description(), "cases": cases}),
+    }
+    drafts = [Draft(output / name, content, lambda _: None) for name, content in contents.items()]
+    return text, write_files(drafts, overwrite=True)
+
+
+def _cells(
+    cue: str, results: Sequence[CueResult], whole: dict[tuple[str, int], float]
+) -> list[str]:
+    alone = 100 * np.array([r.rmse for r in results if (r.use, r.cue) == (ALONE, cue)])
+    without = [r for r in results if (r.use, r.cue) == (WITHOUT, cue)]
+    if not without:
+        return [cue, "-", "-", "-", "-", "-"]
+    rmse = 100 * np.array([r.rmse for r in without])
+    costs = rmse - 100 * np.array([whole[r.image, r.row] for r in without])
+    low, high = _interval(costs, [r.image for r in without])
+    cost = f"{costs.mean():+.2f} ({low:+.2f} to {high:+.2f})"
+    return [cue, *_statistics(alone), *_statistics(rmse), cost]
+
+
+def _statistics(errors: Float) -> list[str]:
+    return [f"{np.median(errors):.2f}", f"{errors.mean():.2f}"]
+
+
+def _interval(costs: Float, images: Sequence[str]) -> tuple[float, float]:
+    """90 % interval of the mean, over draws of whole images: their photos err alike."""
+    names = sorted(set(images))
+    sums = np.array([sum(c for c, i in zip(costs, images, strict=True) if i == n) for n in names])
+    counts = np.array([images.count(name) for name in names])
+    drawn = np.random.default_rng(0).integers(len(names), size=(_DRAWS, len(names)))
+    means = sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)
+    return float(np.quantile(means, 0.05)), float(np.quantile(means, 0.95))
