@@ -180,8 +180,8 @@ def cues(output: Path, **choices: Any) -> int:
     """Leave out each cue of joint, ask each alone, and put the photos of a camera together."""
     from facecrf_ocio.benchmark.cue_shares import run_cues
 
-    unused = {"estimators": "joint", "assignments": (), "every": 1, "folds": 5}
-    camera = {"bits": 8, "jpeg": None, "noise": None, "seed": 0}
+    unused: dict[str, Any] = {"estimators": "joint", "assignments": (), "every": 1, "folds": 5}
+    camera: dict[str, Any] = {"bits": 8, "jpeg": None, "noise": None, "seed": 0}
     plan = _plan(**unused, **camera, **choices)
     require_writable(output)
     output.mkdir(parents=True, exist_ok=True)

@@ -92,7 +92,7 @@ def run_cues(
 def _judge_cues(
     plan: Plan, model: JointModel, image: str, row: int, found: Observation
 ) -> list[CueResult]:
-    chosen = [(ALL, "", CUES)]
+    chosen: list[tuple[str, str, tuple[str, ...]]] = [(ALL, "", CUES)]
     for cue in CUES:
         if cue in found.statistics.by_cue:
             others = tuple(other for other in CUES if other != cue)
