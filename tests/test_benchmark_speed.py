@@ -26,7 +26,7 @@ def test_every_pair_of_types_is_timed_beside_the_other_libraries(lut: Path) -> N
         for name in ("this package", "OpenColorIO, packed", "OpenImageIO, ociofiletransform"):
             assert (work, name) in by
     assert {
-        ("JPEG to half EXR, zip", name) for name in ("this package, whole", "decode + write")
+        ("JPEG to half EXR, zip", name) for name in ("read_photo + apply + write", "decode + write")
     } <= by
     for item in speed.timed:
         assert item.rate == pytest.approx(speed.megapixels / item.seconds)

@@ -19,6 +19,7 @@ from facecrf_ocio.apply import linear_rows, write_exr
 from facecrf_ocio.lookup import Lookup, cores
 from facecrf_ocio.lut_file import described, lut_lookup, lut_processor
 from facecrf_ocio.read import read_photo
+from facecrf_ocio.values import Photo
 
 Pixels = npt.NDArray[Any]
 Call = Callable[[], object]
@@ -201,22 +202,31 @@ def _files(codes: Pixels, lookup: Lookup, compression: str, folder: Path) -> dic
     header = oiio.ImageSpec(width, height, 3, oiio.HALF)
     header.attribute("compression", compression)
 
-    def linearize() -> None:
-        source = read_photo(photo)
+    known = read_photo(photo)
+
+    def apply(source: Photo) -> None:
         rows = linear_rows(source, lookup)
         write_exr(target, rows, source, provenance={}, compression=compression, overwrite=True)
 
-    def floor(*, flushed: bool) -> None:
+    def decode() -> None:
         source: Any = oiio.ImageInput.open(str(photo))
         source.read_image(0, 0, 0, 3, oiio.UINT8)
         source.close()
+
+    def decode_and_apply() -> None:
+        decode()
+        apply(known)
+
+    def floor(*, flushed: bool) -> None:
+        decode()
         _write(target, header, half)
         if flushed:
             with target.open("rb+") as file:
                 os.fsync(file.fileno())
 
     return {
-        "this package, whole": linearize,
+        "read_photo + apply + write": lambda: apply(read_photo(photo)),
+        "decode + this package's apply": decode_and_apply,
         "decode + write": lambda: floor(flushed=False),
         "decode + write + flush to disk": lambda: floor(flushed=True),
     }
