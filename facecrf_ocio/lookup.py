@@ -138,6 +138,9 @@ class Lookup:
         band = self._colors_alone if plain and pixels.dtype == np.float32 else self._band
         rows = max(1, _BAND // pixels.shape[1])
         bands = [slice(y, y + rows) for y in range(0, pixels.shape[0], rows)]
+        if len(bands) == 1:
+            band(pixels, out, work)
+            return
         with ThreadPoolExecutor(min(len(bands), cores())) as threads:
             for done in [threads.submit(band, pixels[at], out[at], work) for at in bands]:
                 done.result()
