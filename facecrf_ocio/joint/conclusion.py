@@ -32,7 +32,7 @@ RELIABLE_SHARE = 0.95
 RELIABLE_ERROR = 0.045
 # Photos of one camera err alike in part (what a cue does not know of any photo): the correlation of
 # their errors.
-PHOTO_CORRELATION = 0.3
+PHOTO_CORRELATION = 0.5
 _DRAWS = 512
 
 
