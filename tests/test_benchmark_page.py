@@ -46,3 +46,13 @@ def test_a_folder_without_results_is_refused(tmp_path):
     assert result.exit_code == 3
     assert "holds no results of a bench" in result.stderr
     assert not (tmp_path / "RESULTS.md").exists()
+
+
+def test_pairs_of_real_cameras_stand_under_their_own_heading(tmp_path):
+    (tmp_path / "table.md").write_text("| joint | 3.7 |")
+    run_record = {"pairs": [["a.dng", "a.jpg"]], "code": "0123456789abcdef"}
+    (tmp_path / "results.json").write_text(json.dumps({"run": run_record}))
+    assert run(tmp_path, "-o", tmp_path / "RESULTS.md").exit_code == 0
+    text = (tmp_path / "RESULTS.md").read_text()
+    assert "## Real cameras (Table 2)\n\n| joint" in text
+    assert "Measured on 1 pairs of exposures; code 0123456789ab." in text

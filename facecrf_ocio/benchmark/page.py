@@ -13,6 +13,7 @@ _TABLES = {
     "cues.md": "The cues of joint",
     "ablations.md": "Ablations",
 }
+_PAIRS = "Real cameras (Table 2)"
 _RECORDS = {
     "table.md": "results.json",
     "cues.md": "cues.json",
@@ -59,7 +60,9 @@ def results_page(folders: Sequence[Path], findings: str, pictures: str) -> tuple
             raise PhotoError(folder, "holds no results of a bench", "run facecrf bench first")
         for name in tables:
             text = (folder / name).read_text(encoding="utf-8").strip()
-            parts += [f"## {_TABLES[name]}", text, _conditions(folder / _RECORDS[name])]
+            conditions = _conditions(folder / _RECORDS[name])
+            title = _PAIRS if "pairs of exposures" in conditions else _TABLES[name]
+            parts += [f"## {title}", text, conditions]
         for name in drawn:
             parts += [f"![{name}]({pictures}/{name})", _PICTURES[name]]
             shown.append(folder / name)
@@ -69,6 +72,8 @@ def results_page(folders: Sequence[Path], findings: str, pictures: str) -> tuple
 def _conditions(path: Path) -> str:
     """Say in one line what was run."""
     run = json.loads(path.read_text(encoding="utf-8"))["run"]
+    if "responses" not in run:
+        return f"Measured on {len(run['pairs'])} pairs of exposures; code {run['code'][:12]}."
     responses = run["responses"]
     encoding = ", ".join(f"{name} {value}" for name, value in run["encoding"].items() if value)
     return (
