@@ -34,6 +34,7 @@ RELIABLE_ERROR = 0.045
 # their errors.
 PHOTO_CORRELATION = 0.5
 _DRAWS = 512
+_NAMES = {COMBINED: "the combination of all cues"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +151,7 @@ def _pool(
         joined = multiply(list(one.messages.values()), [shares[c] for c in one.messages])
         if joined is not None:
             of_photos[f"photo {number + 1}"] = joined
-        outvoted += [cue for cue, share in shares.items() if share < 0.5]
+        outvoted += [_NAMES.get(cue, cue) for cue, share in shares.items() if share < 0.5]
     shares = agreeing_shares(of_photos, prior, weights)
     outvoted += [photo for photo, share in shares.items() if share < 0.5]
     count = sum(shares.values())
