@@ -1,0 +1,144 @@
+"""One camera, one curve: whose photos give it, who gets it, and what happens when others join."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from archive_photos import ONE, everything, files, table, write_face, write_picture
+from command_line import CommandLine
+
+from facecrf_ocio import read_photo
+from facecrf_ocio.export.sidecar import read_sidecar
+from facecrf_ocio.synthetic import gamma_curve
+from facecrf_ocio.together import MISFIT_LIMIT, calibrate_together
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture
+def facecrf(capfd):
+    return CommandLine(capfd)
+
+
+@pytest.fixture
+def pooled(facecrf):
+    def run(source, output, *more):
+        options = ("--pool", "camera", "--formats", "spi1d", "--jobs", "2", *more)
+        ended = facecrf("batch", source, "-o", output, *options)
+        assert ended.code == 0, ended.err
+        return ended
+
+    return run
+
+
+@pytest.fixture
+def archive(tmp_path):
+    """Two faces and a faceless photo of one camera, another camera, another style, and no EXIF."""
+    source = tmp_path / "photos"
+    write_face(source / "a.jpg", 1, **ONE)
+    write_face(source / "sub" / "b.jpg", 2, **ONE)
+    noise = np.random.default_rng(1).random((60, 80, 3)).astype(np.float32)
+    write_picture(source / "none.jpg", noise, **ONE)
+    write_face(source / "style.jpg", 1, **ONE, Exif__Saturation=2)
+    write_face(source / "two.jpg", 3, Make="Acme", Model="Two")
+    write_face(source / "bare.jpg", 3)
+    return source
+
+
+def curve_of(folder, name):
+    return read_sidecar(folder / f"{name}.crf.json").curve.linear
+
+
+def test_the_photos_of_a_camera_get_the_curve_that_they_give_together(archive, tmp_path, pooled):
+    output = tmp_path / "luts"
+    pooled(archive, output)
+    names = ("a.jpg", "none.jpg", "sub/b.jpg")
+    together = calibrate_together(read_photo(archive / name) for name in names)
+    for name in names:
+        assert np.array_equal(curve_of(output, name), together.estimate.curve.linear)
+    told = dict(table(output, "SELECT name, misfit FROM photos WHERE camera LIKE '%One%'"))
+    fits = dict(zip(names, together.misfits, strict=True))
+    assert {n: told[n] for n in ("a.jpg", "sub/b.jpg")} == {
+        n: pytest.approx(fits[n], rel=1e-6) for n in ("a.jpg", "sub/b.jpg")
+    }
+    assert told["none.jpg"] == -1
+    outcomes = dict(table(output, "SELECT name, outcome FROM photos"))
+    assert outcomes["none.jpg"] == "from its camera"
+    assert {outcomes[n] for n in names if n != "none.jpg"} == {"calibrated"}
+    sidecar = read_sidecar(output / "none.jpg.crf.json")
+    assert "no face" in sidecar.reason
+    assert not sidecar.faces
+    assert len(read_sidecar(output / "a.jpg.crf.json").faces) == 1
+
+
+def test_cameras_and_picture_settings_stay_apart(archive, tmp_path, pooled, facecrf):
+    output, alone = tmp_path / "luts", tmp_path / "alone"
+    pooled(archive, output)
+    keys = {json.loads(key)[1]: key for (key,) in table(output, "SELECT key FROM cameras")}
+    assert len(table(output, "SELECT key FROM cameras")) == 3
+    assert set(keys) == {"One", "Two"}
+    facecrf("batch", archive, "-o", alone, "--formats", "spi1d")
+    for name in ("style.jpg", "two.jpg", "bare.jpg"):  # nobody to share with: as without --pool
+        assert files(output)[f"{name}.spi1d"] == files(alone)[f"{name}.spi1d"]
+        assert files(output)[f"{name}.crf.json"] == files(alone)[f"{name}.crf.json"]
+    assert curve_of(output, "a.jpg").tolist() != curve_of(alone, "a.jpg").tolist()
+
+
+def test_a_photo_that_does_not_fit_is_told_and_keeps_its_own_curve(tmp_path, pooled, facecrf):
+    source, output, alone = (tmp_path / name for name in ("photos", "luts", "alone"))
+    for number in range(4):
+        write_face(source / f"{number}.jpg", number, **ONE)
+    write_face(source / "edited.jpg", 2, gamma_curve(0.6), **ONE)
+    pooled(source, output)
+    facecrf("batch", source, "-o", alone, "--formats", "spi1d")
+    told = dict(table(output, "SELECT name, misfit FROM photos"))
+    assert {name for name, far in told.items() if far > MISFIT_LIMIT} == {"edited.jpg"}
+    assert table(output, "SELECT misfits FROM cameras") == [(1,)]
+    assert files(output)["edited.jpg.spi1d"] == files(alone)["edited.jpg.spi1d"]
+    assert np.array_equal(curve_of(output, "0.jpg"), curve_of(output, "1.jpg"))
+
+
+def test_photos_that_join_later_give_all_members_a_new_curve(archive, tmp_path, pooled):
+    output, whole = tmp_path / "luts", tmp_path / "whole"
+    late = (archive / "sub" / "b.jpg").rename(tmp_path / "b.jpg")
+    pooled(archive, output)
+    marks = {path: path.stat().st_mtime_ns for path in output.rglob("*.spi1d")}
+    before = files(output)
+    late.rename(archive / "sub" / "b.jpg")
+    pooled(archive, output)
+    pooled(archive, whole)
+    after = files(output)
+    again = {path.name for path, mark in marks.items() if path.stat().st_mtime_ns != mark}
+    assert again == {"a.jpg.spi1d", "none.jpg.spi1d"}
+    assert after["a.jpg.crf.json"] != before["a.jpg.crf.json"]
+    assert after == files(whole)
+    assert everything(output) == everything(whole)
+
+
+def test_a_second_run_writes_nothing(archive, tmp_path, pooled):
+    output = tmp_path / "luts"
+    pooled(archive, output)
+    marks = {path: path.stat().st_mtime_ns for path in output.rglob("*.jpg.*")}
+    ended = pooled(archive, output)
+    assert "6 done before" in ended.err
+    assert {path: path.stat().st_mtime_ns for path in output.rglob("*.jpg.*")} == marks
+
+
+def test_a_member_that_leaves_its_camera_takes_its_evidence_along(archive, tmp_path, pooled):
+    output, whole = tmp_path / "luts", tmp_path / "whole"
+    pooled(archive, output)
+    (archive / "sub" / "b.jpg").write_bytes(b"no photo any more")
+    pooled(archive, output)
+    pooled(archive, whole)
+    assert files(output) == files(whole)
+    assert everything(output) == everything(whole)
+
+
+def test_pooling_takes_the_estimator_that_can(archive, tmp_path, facecrf):
+    ended = facecrf(
+        "batch", archive, "-o", tmp_path / "o", "--pool", "camera", "--estimator", "edge"
+    )
+    assert ended.code == 2
+    assert "takes the estimator auto or joint" in ended.err

@@ -1,0 +1,165 @@
+"""Brackets: found among other photos, and solved where that brings a curve near the truth."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from archive_photos import ONE, exposed, table, write_face, write_picture
+from command_line import CommandLine
+
+from facecrf_ocio.archive.bracket import Exposure, find_brackets
+from facecrf_ocio.archive.debevec import rmse_after_scale, solve_bracket
+from facecrf_ocio.archive.samples import COLUMNS, ROWS, read_samples, take_samples
+from facecrf_ocio.archive.shot import read_shot
+from facecrf_ocio.archive.task import Shot
+from facecrf_ocio.export.sidecar import read_sidecar
+from facecrf_ocio.joint.prior import shipped_prior
+from facecrf_ocio.response.model import dorf_model, inverse_crf, strictly_increasing
+from facecrf_ocio.synthetic import encode, gamma_curve
+from facecrf_ocio.values import InverseCRF
+
+GRAY_RAMP = np.geomspace(0.004, 1.0, ROWS * COLUMNS).reshape(ROWS, COLUMNS)
+
+
+def scene():
+    """(384, 512, 3) patches of one color each, over eight stops, in no order."""
+    light = np.random.default_rng(2).permutation(GRAY_RAMP.ravel()).reshape(ROWS, COLUMNS)
+    tint = np.array([1.0, 0.8, 0.6])
+    return np.repeat(np.repeat(light[..., None] * tint, 16, axis=0), 16, axis=1).astype(np.float32)
+
+
+def shoot(linear, curve, stops, noise=0.003):
+    rng = np.random.default_rng(3)
+    shots = []
+    for stop in stops:
+        light = linear * 2.0**stop
+        light = light + rng.normal(0, noise, light.shape) * np.sqrt(light)
+        shots.append(take_samples(encode(np.clip(light, 0, 1).astype(np.float32), curve)))
+    return shots
+
+
+def responses():
+    """The fixed ones, and film and digital curves drawn from the prior that ships."""
+    prior = shipped_prior()
+    rng = np.random.default_rng(4)
+    yield gamma_curve(2.2)
+    yield inverse_crf(dorf_model().grid, [dorf_model().mean] * 3)
+    for component in rng.choice(len(prior.weights), 6, p=prior.weights / prior.weights.sum()):
+        drawn = rng.multivariate_normal(prior.means[component], prior.covariances[component])
+        yield InverseCRF(
+            np.linspace(0, 1, 4096),
+            strictly_increasing(
+                [np.interp(np.linspace(0, 1, 4096), prior.grid, prior.samples(drawn))] * 3
+            ),
+        )
+
+
+@pytest.mark.parametrize(("stops", "least"), [((-2, -1, 0, 1, 2), 4), ((-2, 0, 2), 2)])
+def test_a_curve_that_is_used_is_near_the_truth(stops, least):
+    mean = inverse_crf(dorf_model().grid, [dorf_model().mean] * 3)
+    used, errors, of_mean = 0, [], []
+    for truth in responses():
+        solved = solve_bracket([read_samples(s) for s in shoot(scene(), truth, stops)], stops)
+        if not solved.problem:
+            used += 1
+            errors.append(rmse_after_scale(solved.found, truth))
+            of_mean.append(rmse_after_scale(mean, truth))
+    assert used >= least
+    assert max(errors) < 0.035
+    assert np.median(errors) < 0.02 < np.median(of_mean)
+
+
+def gray(stops, truth=None):
+    return [read_samples(s) for s in shoot(scene(), truth or gamma_curve(2.2), stops)]
+
+
+def test_what_is_not_well_conditioned_is_not_used():
+    even = (-2, 0, 2)
+    assert not solve_bracket(gray(even), even).problem
+    assert "stops, fewer" in solve_bracket(gray((0, 0.5)), (0, 0.5)).problem
+    dark = [read_samples(s) for s in shoot(scene() * 0.02, gamma_curve(2.2), even)]
+    assert "too few" in solve_bracket(dark, even).problem
+    moved = [*gray(even)[:2], np.random.default_rng(0).permutation(gray(even)[2])]
+    assert "do not agree with their exposures" in solve_bracket(moved, even).problem
+    black = [np.zeros((ROWS * COLUMNS, 3), np.uint8)] * 3
+    assert "too few points" in solve_bracket(black, even).problem
+
+
+def exposures(stops, seconds=None, linear=None):
+    samples = shoot(scene() if linear is None else linear, gamma_curve(2.2), stops)
+    seconds = range(len(stops)) if seconds is None else seconds
+    return [
+        Exposure(f"{n}", f"{n}", Shot("", 1e9 + second, 0.01 * 2.0**stop, 4.0, 100.0), sample)
+        for n, (stop, second, sample) in enumerate(zip(stops, seconds, samples, strict=True))
+    ]
+
+
+def names(brackets):
+    return [[one.name for one in bracket] for bracket in brackets]
+
+
+def test_exposures_of_one_scene_within_seconds_are_a_bracket():
+    assert names(find_brackets(exposures((-1, 0, 1)))) == [["0", "1", "2"]]
+    two = exposures((-1, 0, 1, -1, 0, 1), seconds=(0, 1, 2, 3, 4, 5))
+    assert names(find_brackets(two)) == [["0", "1", "2"], ["3", "4", "5"]]
+    by_iso = [
+        replace(one, shot=replace(one.shot, exposure_s=0.01, iso=100.0 * 2.0**stop))
+        for one, stop in zip(exposures((-1, 0, 1)), (-1, 0, 1), strict=True)
+    ]
+    assert names(find_brackets(by_iso)) == [["0", "1", "2"]]
+
+
+def test_other_photos_are_no_bracket():
+    assert names(find_brackets(exposures((0, 1), seconds=(0, 60)))) == []
+    assert names(find_brackets(exposures((0, 0.1)))) == []
+    first, second = exposures((0, 1))
+    flipped = exposures((0, 1), linear=scene()[::-1].copy())[1]
+    assert names(find_brackets([first, second])) == [["0", "1"]]
+    assert names(find_brackets([first, flipped])) == []
+    darker = replace(second, samples=exposures((0, -1))[1].samples)  # EXIF says brighter
+    assert names(find_brackets([first, darker])) == []
+
+
+def test_samples_are_the_code_values_at_the_centers_of_cells():
+    pixels = np.zeros((ROWS * 8, COLUMNS * 8, 3), np.float32)
+    pixels[4::8, 4::8] = 1.0
+    found = read_samples(take_samples(pixels)).reshape(ROWS, COLUMNS, 3)
+    assert (found == round(255 / 25)).all()  # one of the 25 pixels around each center
+
+
+def test_exif_tells_exposure_time_and_picture_settings(tmp_path):
+    said = {**exposed(7, 1.0), "Exif__SubsecTimeOriginal": "25", "Exif__Contrast": 2}
+    shot = read_shot(write_picture(tmp_path / "a.jpg", scene(), **said))
+    assert shot.exposure_s == pytest.approx(0.02, rel=1e-3)
+    assert (shot.aperture, shot.iso) == (4.0, 100.0)
+    assert shot.taken % 60 == 7.25
+    assert shot.style == "Exif:Contrast=2"
+    assert read_shot(write_picture(tmp_path / "b.png", scene())) == Shot()
+
+
+@pytest.mark.slow
+def test_the_photos_of_a_bracket_get_debevec_s_curve_and_tell_how_far_it_is_from_the_estimate(
+    capfd, tmp_path
+):
+    source, output = tmp_path / "photos", tmp_path / "luts"
+    write_face(source / "face.jpg", 1, **ONE)
+    for number, stop in enumerate((-2, -1, 0, 1, 2)):
+        light = scene() * np.float32(2.0**stop)
+        write_picture(source / f"ramp{number}.jpg", light, **ONE, **exposed(number, stop))
+    ended = CommandLine(capfd)(
+        "batch", source, "-o", output, "--pool", "camera", "--formats", "spi1d", "--jobs", "2"
+    )
+    assert ended.code == 0, ended.err
+    ((name, count, stops, used, rmse),) = table(
+        output, "SELECT name, photos, stops, used, rmse FROM brackets"
+    )
+    assert (name, count, used) == ("ramp0.jpg", 5, 1)
+    assert stops == pytest.approx(4.0, abs=0.01)
+    told = read_sidecar(output / "ramp3.jpg.crf.json")
+    camera = read_sidecar(output / "face.jpg.crf.json")
+    assert (told.estimator, camera.estimator) == ("debevec", "joint")
+    assert rmse_after_scale(told.curve, camera.curve) == pytest.approx(rmse, abs=1e-6)
+    assert f"after one scale: {rmse:.3f}" in told.confidence.reasons[1]
+    assert rmse_after_scale(told.curve, gamma_curve(2.2)) < 0.02
