@@ -9,8 +9,10 @@ from facecrf_ocio.joint import JointModel, conclude, gather, misfit, shipped_joi
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Estimate, Photo
 
-MISFIT_LIMIT = 3.0
-"""Standard deviations from which a photo is taken to have another curve than its group."""
+MISFIT_LIMIT = 1.0
+"""Standard deviations from which a photo is taken to have another curve than its group. Of 66
+rendered photos the one that fitted its own group worst had 0.46; of photos put into the group of a
+curve that is 0.05 to 0.2 away (RMSE) 55 % had more than 1, and 90 % of those farther away."""
 
 
 @dataclass(frozen=True, slots=True)
