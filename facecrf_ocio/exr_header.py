@@ -45,6 +45,9 @@ def exr_header(
     if photo.path is not None:
         _keep_metadata(photo.path, header)
     header.attribute("Orientation", 1)
+    if not header.get_string_attribute("DateTime"):
+        # Else the writer puts the time of writing there, and no two files are equal.
+        header.attribute("DateTime", "")
     primaries = photo.primaries or known_primaries("Rec.709", "assumed")
     tag_primaries(header, primaries)
     notes = {"primaries": _primaries_note(primaries), **provenance}

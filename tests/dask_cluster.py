@@ -11,8 +11,6 @@ import sys
 import time
 from pathlib import Path
 
-import pytest
-
 _START = 60.0
 
 
@@ -94,10 +92,3 @@ class DaskCluster:
             except subprocess.TimeoutExpired:
                 os.killpg(process.pid, signal.SIGKILL)
         process.wait()
-
-
-@pytest.fixture
-def dask_cluster(tmp_path_factory):
-    pytest.importorskip("distributed", reason="the extra cluster is not installed")
-    with DaskCluster(tmp_path_factory.mktemp("cluster")) as cluster:
-        yield cluster

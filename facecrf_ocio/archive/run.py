@@ -110,6 +110,8 @@ def run(job: Job, photos: Iterable[Path], tell: Callable[[Event], None]) -> None
             _clear_leftovers(manifest, job.folder)
             with _pool(job) as pool:
                 _Run(job, manifest, pool, identity, tell).through(photos)
+            if job.cluster is not None:
+                _clear_lost_workers(job.folder)
         finally:
             manifest.close()
 
@@ -364,6 +366,12 @@ def _clear_leftovers(manifest: Manifest, folder: Path) -> None:
     for place in {(folder / name).parent for name in manifest.started()}:
         for leftover in place.glob(TEMPORARY):
             leftover.unlink(missing_ok=True)
+
+
+def _clear_lost_workers(folder: Path) -> None:
+    """Remove temporary files of cluster workers that were lost; their photos were done again."""
+    for leftover in folder.rglob(TEMPORARY):
+        leftover.unlink(missing_ok=True)
 
 
 def _remove(folder: Path, names: Iterable[str]) -> None:

@@ -15,7 +15,6 @@ from collections import deque
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
@@ -71,10 +70,12 @@ class ClusterPool:
     """
 
     def __init__(self, cluster: Cluster, limits: Limits, folder: Path) -> None:
-        if find_spec("distributed") is None:
+        try:
+            import distributed  # noqa: F401, PLC0415 - an extra
+        except ImportError:
             raise SettingsError(
                 "a scheduler needs the extra cluster: pip install 'facecrf-ocio[cluster]'"
-            )
+            ) from None
         self.cluster, self.limits = cluster, limits
         self.shipping = bool(cluster.ship)
         self._versions = versions()
@@ -214,9 +215,11 @@ class ClusterPool:
         from distributed import Client  # noqa: PLC0415
 
         # Its warnings tell of what is told here in our own words, or survived.
-        logger = logging.getLogger("distributed")
-        self._open.callback(logger.setLevel, logger.level)
-        logger.setLevel(logging.CRITICAL)
+        for name in ("distributed", "tornado.application", *logging.root.manager.loggerDict):
+            if name.startswith(("distributed", "tornado")):
+                logger = logging.getLogger(name)
+                self._open.callback(logger.setLevel, logger.level)
+                logger.setLevel(logging.CRITICAL + 1)
         self._open.enter_context(
             dask.config.set({"distributed.admin.large-graph-warning-threshold": _LARGEST * 2})
         )
