@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from facecrf_ocio.cli_calibrate import FORMAT_NAMES, split_formats
+from facecrf_ocio.cli_calibrate import DEFAULT_FORMATS, FORMAT_NAMES, split_formats
 from facecrf_ocio.cli_options import TEXT_PATH, Choices, estimation_options
 from facecrf_ocio.cli_terminal import DONE, FAILED, complain, ending_well, one_line, status
 
@@ -100,10 +100,10 @@ def _kind(outcome: str, verdict: str) -> str:
 @click.option("-0", "--null", is_flag=True, help="Names in --files-from end with NUL.")
 @click.option(
     "--formats",
-    default=",".join(FORMAT_NAMES),
+    default=DEFAULT_FORMATS,
     show_default=True,
     callback=split_formats,
-    help="LUT formats, by commas.",
+    help=f"LUT formats, by commas, of {', '.join(FORMAT_NAMES)}.",
 )
 @click.option("--exr", is_flag=True, help="Also write scene-linear EXRs.")
 @click.option(

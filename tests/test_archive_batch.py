@@ -254,3 +254,10 @@ def test_killed_ten_times_and_resumed_it_is_the_same_as_unbroken(facecrf, tmp_pa
     assert rows(broken) == rows(whole)
     assert files(broken) == files(whole)
     assert facecrf("verify", broken).code == 0
+
+
+def test_the_formats_are_those_of_calibrate_unless_others_are_asked_for(facecrf, archive, tmp_path):
+    output = tmp_path / "luts"
+    assert facecrf("batch", archive, "-o", output, "--estimator", "mean", "--jobs", "2").code == 0
+    made = {name for name in files(output) if name.startswith("a.jpg")}
+    assert made == {f"a.jpg.{ending}" for ending in ("spi1d", "cube", "clf", "crf.json")}
