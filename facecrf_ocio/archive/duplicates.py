@@ -67,7 +67,9 @@ def mark_duplicates(manifest: Manifest) -> None:
     )
     with manifest.transaction():
         manifest.change(
-            f"UPDATE photos SET duplicate_of = {first} WHERE duplicate_of != {first}"  # noqa: S608
+            f"UPDATE photos SET duplicate_of = {first} "  # noqa: S608
+            "WHERE fingerprint IN (SELECT fingerprint FROM photos WHERE fingerprint != '' "
+            "GROUP BY fingerprint HAVING COUNT(*) > 1) OR duplicate_of != ''"
         )
 
 

@@ -69,33 +69,31 @@ def settle(manifest: Manifest, recipe: str, prior: str, reopened: Reopened) -> N
         )
     ]
     for key in keys:
-        basis, members, contents = _basis(manifest, key, recipe)
+        basis, members, alone = _basis(manifest, key, recipe)
         former = next(
             manifest.rows("SELECT basis, curve_sha256 FROM cameras WHERE key = ?", key), ("", "")
         )
         if former[0] != basis or _has_new(manifest, key, recipe):
             curve = conclude_camera(manifest, key, recipe, prior)
             with manifest.transaction():
-                camera = _Camera(manifest, key, recipe, curve, contents, former[1], reopened)
+                camera = _Camera(manifest, key, recipe, curve, alone, former[1], reopened)
                 camera.record(basis, members)
     _forget_the_empty(manifest)
 
 
-def _basis(manifest: Manifest, key: str, recipe: str) -> tuple[str, int, int]:
-    """Hash of the photos of a camera, their number, and that of their contents."""
-    digest, count = hashlib.sha256(recipe.encode()), 0
-    for row in manifest.rows(
+def _basis(manifest: Manifest, key: str, recipe: str) -> tuple[str, int, bool]:
+    """Hash of the photos of a camera, their number, and whether all have the same bytes."""
+    digest, count, first, alone = hashlib.sha256(recipe.encode()), 0, "", True
+    for name, sha256 in manifest.rows(
         "SELECT name, sha256 FROM photos WHERE camera = ? AND recipe = ? AND state != ? "
         "ORDER BY name",
         *(key, recipe, STARTED),
     ):
-        digest.update(json.dumps(row).encode())
+        digest.update(f"{name}\0{sha256}\0".encode())
+        first = first or sha256
+        alone = alone and sha256 == first
         count += 1
-    ((contents,),) = manifest.rows(
-        "SELECT COUNT(DISTINCT sha256) FROM photos WHERE camera = ? AND recipe = ? AND state != ?",
-        *(key, recipe, STARTED),
-    )
-    return digest.hexdigest(), count, contents
+    return digest.hexdigest(), count, alone
 
 
 def _has_new(manifest: Manifest, key: str, recipe: str) -> bool:
@@ -125,12 +123,12 @@ class _Camera:
         key: str,
         recipe: str,
         curve: CameraCurve,
-        contents: int,
+        alone: bool,
         former: str,
         reopened: Reopened,
     ) -> None:
         self.manifest, self.key, self.recipe, self.curve = manifest, key, recipe, curve
-        self.alone = contents == 1
+        self.alone = alone
         self.same = former == curve.sha256
         self.reopened = reopened
         self.of_bracket: dict[str, tuple[str, str]] = {}  # sha256 -> bracket, hash of its curve
