@@ -56,7 +56,7 @@ def estimate(photo, *, shared=False):
 @given(st.floats(0.3, 2.0), st.integers(0, 1000))
 def test_the_variance_of_rounding_is_taken_off(noise, seed):
     rng = np.random.default_rng(seed)
-    mean = rng.uniform(0.0, 1.0, (4000, 1))
+    mean = np.linspace(0.0, 1.0, 4000, endpoint=False)[:, None]  # even: drawn means err by 3 %
     rounded = np.round(mean + noise * rng.normal(size=(4000, 64)))
     measured = float(rounded.var(axis=1, ddof=1).mean())
     assert without_rounding(measured / 255**2, 1 / 255) * 255**2 == pytest.approx(
