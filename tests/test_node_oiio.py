@@ -33,7 +33,7 @@ from facecrf_ocio.profile import KNOWN_PRIMARIES
 NODE = Path(__file__).parents[1] / "nodes" / "oiio"
 sys.path.insert(0, str(NODE))
 
-from facecrf_oiio import linearize  # noqa: E402
+from facecrf_oiio import linearize, store  # noqa: E402
 from facecrf_oiio.command import run  # noqa: E402
 
 HEIGHT, WIDTH = 40, 60
@@ -172,6 +172,76 @@ class TestBuffer:
         deep.deep = True
         with pytest.raises(PhotoError, match="deep"):
             linearize(oiio.ImageBuf(deep), lut)
+
+
+class TestStore:
+    """Pixels into an ImageBuf, by files in memory and without them."""
+
+    @pytest.fixture(params=["in memory", "by set_pixels", "no room for files", "cached"])
+    def way(self, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Any:
+        if request.param == "by set_pixels":
+            monkeypatch.setattr(store, "has_files_in_memory", lambda: False)
+        elif not store.has_files_in_memory():
+            pytest.skip("no files in memory here")
+        if request.param == "no room for files":
+            refuse = OSError(24, "Too many open files")
+            monkeypatch.setattr(store.os, "ftruncate", lambda *_: (_ for _ in ()).throw(refuse))
+        oiio.attribute("imagebuf:use_imagecache", int(request.param == "cached"))
+        monkeypatch.setattr(store, "_BAND", 20000)  # so that files are used again
+        yield
+        oiio.attribute("imagebuf:use_imagecache", 0)
+
+    @pytest.mark.usefixtures("way")
+    @pytest.mark.parametrize("channels", [1, 2, 3, 4, 5, 9])
+    @pytest.mark.parametrize(
+        ("kind", "dtype"),
+        [(oiio.UINT8, "u1"), (oiio.UINT16, "u2"), (oiio.HALF, "f2"), (oiio.FLOAT, "f4")],
+    )
+    def test_every_bit_arrives(self, kind: Any, dtype: str, channels: int) -> None:
+        spec = oiio.ImageSpec(301, 270, channels, kind)
+        spec.x, spec.y = -7, 11
+        image = oiio.ImageBuf(spec)
+        size = 270 * 301 * channels * np.dtype(dtype).itemsize
+        # Bits of all kinds, so NaN and infinities among them.
+        pixels = np.random.default_rng(5).integers(0, 256, size, np.uint8).view(dtype)
+        pixels = pixels.reshape(270, 301, channels)
+
+        def make(band: oiio.ROI, out: npt.NDArray[Any]) -> None:
+            out[...] = pixels[band.ybegin - 11 : band.yend - 11]
+
+        store.store(image, image.roi, make)
+        found = image.get_pixels(kind).reshape(pixels.shape)
+        same = found.view(f"u{found.itemsize}") == pixels.view(f"u{found.itemsize}")
+        assert (same | (np.isnan(found) & np.isnan(pixels))).all()
+        assert (image.spec().nchannels, image.roi) == (channels, spec.roi)
+
+    @pytest.mark.usefixtures("way")
+    def test_large_images_equal_opencolorio(self, lut: Path) -> None:
+        spec = oiio.ImageSpec(400, 300, 3, oiio.UINT16)
+        image = oiio.ImageBuf(spec)
+        image.set_pixels(oiio.ROI(), np.random.default_rng(3).random((300, 400, 3), np.float32))
+        found = linearize(image, lut, dtype=oiio.FLOAT)
+        assert np.abs(floats(found) - by_oiio(image, lut)).max() < 1e-6
+
+    @pytest.mark.usefixtures("way")
+    def test_only_the_region_is_written(self, lut: Path) -> None:
+        image = oiio.ImageBuf(oiio.ImageSpec(400, 300, 3, oiio.UINT8))
+        image.set_pixels(oiio.ROI(), np.random.default_rng(3).random((300, 400, 3), np.float32))
+        buffer = oiio.ImageBuf(oiio.ImageSpec(400, 300, 3, oiio.FLOAT))
+        oiio.ImageBufAlgo.fill(buffer, (7.0, 7.0, 7.0))
+        linearize(image, lut, out=buffer, roi=oiio.ROI(50, 350, 100, 200))
+        found, inside = floats(buffer), (slice(100, 200), slice(50, 350))
+        assert np.abs(found[inside] - by_oiio(image, lut)[inside]).max() < 1e-6
+        found[inside] = 7
+        assert (found == 7).all()
+
+    @pytest.mark.skipif(not store.has_files_in_memory(), reason="no files in memory here")
+    def test_no_file_stays_open(self, lut: Path) -> None:
+        image = oiio.ImageBuf(oiio.ImageSpec(400, 300, 3, oiio.UINT8))
+        linearize(image, lut)
+        before = len(list(Path("/proc/self/fd").iterdir()))
+        linearize(image, lut)
+        assert len(list(Path("/proc/self/fd").iterdir())) == before
 
 
 class TestTags:

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio.errors import PhotoError, SettingsError
 from facecrf_ocio.exr_header import still_holds, tag_color_space, tag_primaries
-from facecrf_ocio.lookup import Lookup, cores
+from facecrf_ocio.lookup import Lookup
 from facecrf_ocio.lut_file import lut_lookup
 from facecrf_ocio.profile import known_primaries
 from facecrf_ocio.read import alpha_channel, color_channels, icc_profile, primaries_of
 from facecrf_ocio.values import Primaries
+from facecrf_oiio.store import can_store, store
 
-_BAND = 1 << 17  # [pixel]
 _LINEAR = (oiio.HALF, oiio.FLOAT)
 _GRAY = ("Y", "I", "L", "GRAY", "LUMINANCE")
 _AS_THEY_ARE = (oiio.UINT8, oiio.UINT16, oiio.HALF)
@@ -84,7 +82,7 @@ def linearize(
     if dtype not in _LINEAR:
         raise SettingsError(f"linear light needs half or float, not {dtype}")
     if out is None:
-        result = oiio.ImageBuf(_header(spec, region, dtype))
+        result = oiio.ImageBuf(_header(spec, region, dtype), zero=False)
     else:
         result = _fitting(out, region, spec.nchannels)
     _tag(result.specmod(), color_space)
@@ -92,24 +90,24 @@ def linearize(
     wanted = range(region.chbegin, region.chend)
     untouched = [channel for channel in color if roi is not None and channel not in wanted]
     region.chbegin, region.chend = 0, spec.nchannels
-    half = result.spec().format.basetype == oiio.HALF
 
-    def work(band: oiio.ROI) -> None:
+    def make(band: oiio.ROI, linear: npt.NDArray[Any]) -> None:
         pixels = image.get_pixels(kind, band)
-        linear = lookup.apply(
+        lookup.apply(
             pixels.reshape(band.height, band.width, spec.nchannels),
-            dtype="float16" if half else "float32",
+            out=linear,
             color=color,
             alpha=alpha if unpremult else None,
         )
         if untouched:
-            linear[..., untouched] = image.get_pixels(oiio.FLOAT, band)[..., untouched]
-        if not result.set_pixels(band, linear):
-            raise PhotoError(name, f"cannot be worked on ({result.geterror()})", "free some memory")
+            before = image.get_pixels(oiio.FLOAT, band).reshape(linear.shape)
+            linear[..., untouched] = before[..., untouched]
 
-    with ThreadPoolExecutor(cores()) as threads:
-        for done in [threads.submit(work, band) for band in _bands(region)]:
-            done.result()
+    try:
+        store(result, region, make)
+    except MemoryError as error:
+        problem = f"cannot be worked on ({error})"
+        raise PhotoError(name, problem, "free some memory") from error
     return result
 
 
@@ -132,15 +130,15 @@ def color_of(spec: oiio.ImageSpec, name: Path) -> list[int]:
 def fill(image: oiio.ImageBuf, pixels: npt.NDArray[Any]) -> None:
     """Set all pixels of an image, (H, W, C), on all cores."""
     spec = image.spec()
+    if not can_store(image):
+        image.set_pixels(image.roi, pixels)
+        return
     shaped = pixels.reshape(spec.depth, spec.height, spec.width, spec.nchannels)
 
-    def work(band: oiio.ROI) -> None:
-        rows = slice(band.ybegin - spec.y, band.yend - spec.y)
-        image.set_pixels(band, np.ascontiguousarray(shaped[band.zbegin - spec.z, rows]))
+    def make(band: oiio.ROI, out: npt.NDArray[Any]) -> None:
+        out[...] = shaped[band.zbegin - spec.z, band.ybegin - spec.y : band.yend - spec.y]
 
-    with ThreadPoolExecutor(cores()) as threads:
-        for done in [threads.submit(work, band) for band in _bands(image.roi)]:
-            done.result()
+    store(image, image.roi, make)
 
 
 def _require_pixels(image: oiio.ImageBuf, name: Path) -> None:
@@ -212,21 +210,3 @@ def _fitting(out: oiio.ImageBuf, region: oiio.ROI, channels: int) -> oiio.ImageB
             f"half or float, of {channels} channels, and hold {_told(region)}"
         )
     return out
-
-
-def _bands(region: oiio.ROI) -> list[oiio.ROI]:
-    rows = max(1, _BAND // region.width)
-    return [
-        oiio.ROI(
-            region.xbegin,
-            region.xend,
-            y,
-            min(y + rows, region.yend),
-            z,
-            z + 1,
-            region.chbegin,
-            region.chend,
-        )
-        for z in range(region.zbegin, region.zend)
-        for y in range(region.ybegin, region.yend, rows)
-    ]
