@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio.errors import PhotoError
@@ -29,6 +30,7 @@ from facecrf_ocio.profile import (
 from facecrf_ocio.raw import RAW_SUFFIXES, decode_raw, is_raw
 from facecrf_ocio.values import Camera, Photo, Primaries, frozen
 
+_BAND_ROWS = 256
 _CONVERT = "convert it to JPEG, PNG, TIFF or EXR"
 _COPY_OR_CONVERT = f"if it should be one, {COPY_AGAIN}; else {_CONVERT}"
 _INTEGERS = {oiio.UINT8, oiio.INT8, oiio.UINT16, oiio.INT16, oiio.UINT32, oiio.INT32}
@@ -116,18 +118,21 @@ def _read_image(path: Path, source: Any, sha256: str) -> Photo:
     channels, transparency = color_channels(path, spec), alpha_channel(spec)
     icc = icc_profile(spec)
     scene_linear = _is_scene_linear(spec, icc)
-    codes = _decode(path, source)
     bits = spec.get_int_attribute("oiio:BitsPerSample", 8 * spec.format.size())
     turn = spec.get_int_attribute("Orientation", 1)
 
     alpha = None
-    if transparency is not None:
-        alpha = frozen(code_values(upright(codes[..., transparency], turn), bits), np.float32)
-    # The largest arrays of all: each is let go when the next is there, and none is copied.
-    color = three_channels(upright(_select(codes, channels), turn))
-    del codes
-    encoded = code_values(color, bits)
-    del color
+    if turn == 1 and _is_plain_16_bits(spec, channels):
+        encoded = _decode_by_bands(path, source, bits)
+    else:
+        codes = _decode(path, source)
+        if transparency is not None:
+            alpha = frozen(code_values(upright(codes[..., transparency], turn), bits), np.float32)
+        # The largest arrays of all: each is let go when the next is there, and none is copied.
+        color = three_channels(upright(_select(codes, channels), turn))
+        del codes
+        encoded = code_values(color, bits)
+        del color
     if alpha is not None and is_premultiplied(spec, file_format):
         encoded = unpremultiplied(encoded, alpha)
         encoded = encoded if scene_linear else np.minimum(encoded, np.float32(1))
@@ -183,6 +188,30 @@ def color_channels(path: Path, spec: Any) -> list[int]:
 def alpha_channel(spec: Any) -> int | None:
     """Index of alpha; by name, because the GIF reader's `alpha_channel` is one too high."""
     return spec.channelnames.index("A") if "A" in spec.channelnames else None
+
+
+def _is_plain_16_bits(spec: Any, channels: Sequence[int]) -> bool:
+    """Whether rows of R, G, B in 16 bits, and nothing else, can be read one after another."""
+    rows_of_16_bits = spec.format.basetype == oiio.UINT16 and spec.tile_width == 0
+    return rows_of_16_bits and spec.nchannels == 3 and list(channels) == [0, 1, 2]
+
+
+def _decode_by_bands(path: Path, source: Any, bits: int) -> npt.NDArray[np.float32]:
+    """(H, W, 3) encoded values; the code values of 16 bits are never there as a whole.
+
+    Of 24 megapixels they would take 144 MB beside the 288 MB of the result.
+    """
+    spec = source.spec()
+    encoded = np.empty((spec.height, spec.width, 3), np.float32)
+    for top in range(0, spec.height, _BAND_ROWS):
+        end = min(top + _BAND_ROWS, spec.height)
+        rows = source.read_scanlines(spec.y + top, spec.y + end, 0, 0, 3, oiio.UINT16)
+        problem = _one_line(source.geterror(), path)
+        if problem or rows is None or rows.size == 0:
+            problem = problem or "no pixels"
+            raise PhotoError(path, f"is cut short or damaged ({problem})", COPY_AGAIN)
+        encoded[top:end] = code_values(np.asarray(rows).reshape(end - top, spec.width, 3), bits)
+    return encoded
 
 
 def _decode(path: Path, source: Any) -> Pixels:
