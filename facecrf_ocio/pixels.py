@@ -65,7 +65,10 @@ def code_grid(bits: int) -> Float32:
 
 def in_8_bits(values: Float32) -> Float32:
     """Code values rounded to those that an 8-bit file can hold."""
-    return np.asarray(np.rint(values * np.float32(255)) / np.float32(255), np.float32)
+    rounded = np.asarray(values * np.float32(255), np.float32)  # one array, not one a step
+    np.rint(rounded, out=rounded)
+    rounded /= np.float32(255)
+    return rounded
 
 
 def unpremultiplied(color: Float32, alpha: Float32) -> Float32:
