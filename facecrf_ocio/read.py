@@ -206,11 +206,8 @@ def _decode_by_bands(path: Path, source: Any, bits: int) -> npt.NDArray[np.float
     for top in range(0, spec.height, _BAND_ROWS):
         end = min(top + _BAND_ROWS, spec.height)
         rows = source.read_scanlines(spec.y + top, spec.y + end, 0, 0, 3, oiio.UINT16)
-        problem = _one_line(source.geterror(), path)
-        if problem or rows is None or rows.size == 0:
-            problem = problem or "no pixels"
-            raise PhotoError(path, f"is cut short or damaged ({problem})", COPY_AGAIN)
-        encoded[top:end] = code_values(np.asarray(rows).reshape(end - top, spec.width, 3), bits)
+        codes = _require_pixels(path, source, rows)
+        encoded[top:end] = code_values(codes.reshape(end - top, spec.width, 3), bits)
     return encoded
 
 
@@ -219,10 +216,16 @@ def _decode(path: Path, source: Any) -> Pixels:
     spec = source.spec()
     kind = spec.format.basetype if spec.format.basetype in (oiio.UINT8, oiio.UINT16) else oiio.FLOAT
     codes = source.read_image(0, 0, 0, spec.nchannels, kind)
+    codes = _require_pixels(path, source, codes)
+    return codes.reshape(spec.height, spec.width, spec.nchannels)
+
+
+def _require_pixels(path: Path, source: Any, codes: Any) -> Pixels:
+    """What a decoder gave, if it gave all of it."""
     problem = _one_line(source.geterror(), path)
     if problem or codes is None or codes.size == 0:
         raise PhotoError(path, f"is cut short or damaged ({problem or 'no pixels'})", COPY_AGAIN)
-    return np.asarray(codes).reshape(spec.height, spec.width, spec.nchannels)
+    return np.asarray(codes)
 
 
 def _select(codes: Pixels, channels: Sequence[int]) -> Pixels:

@@ -114,7 +114,7 @@ def _gather(photo: Photo, model: ResponseModel, settings: Settings, *, shaded: b
 def cut_face(photo: Photo, face: Face, settings: Settings, *, to_8_bits: bool = False) -> FaceView:
     """Cut a face out, scale it down to the working size, and lay its mesh over it.
 
-    With `to_8_bits` it is rounded to 8 bits before it is scaled.
+    With `to_8_bits` it is rounded to 8 bits before it is scaled; `native` is not.
     """
     height, width = photo.encoded.shape[:2]
     points = face.landmarks_xyz[:, :2]
@@ -122,17 +122,24 @@ def cut_face(photo: Photo, face: Face, settings: Settings, *, to_8_bits: bool = 
     left, top = np.maximum(np.floor(points.min(axis=0) - margin), 0).astype(int)
     right, bottom = np.ceil(points.max(axis=0) + margin).astype(int)
     cut = photo.encoded[top : min(bottom, height), left : min(right, width)]
-    cut = in_8_bits(cut) if to_8_bits else cut
     face_width = float(np.ptp(points[:, 0]))
     scale = min(1.0, settings.face_width / face_width)
     size = (max(1, round(cut.shape[1] * scale)), max(1, round(cut.shape[0] * scale)))
-    encoded = cut
-    if scale < 1.0:
-        encoded = np.asarray(cv2.resize(cut, size, interpolation=cv2.INTER_AREA), np.float32)
+    # Channel by channel: a large face, rounded, would be a tenth of what a worker may take.
+    encoded = cv2.merge([_scaled(cut[..., c], size, to_8_bits=to_8_bits) for c in range(3)])
     geometry = face_geometry(
         face, (size[1], size[0]), origin=(float(left), float(top)), scale=scale
     )
-    return FaceView(face, encoded, geometry, cut)
+    return FaceView(face, np.asarray(encoded, np.float32), geometry, cut)
+
+
+def _scaled(
+    channel: npt.NDArray[np.float32], size: tuple[int, int], *, to_8_bits: bool
+) -> npt.NDArray[np.float32]:
+    channel = in_8_bits(channel) if to_8_bits else np.ascontiguousarray(channel)
+    if channel.shape == size[::-1]:
+        return channel
+    return np.asarray(cv2.resize(channel, size, interpolation=cv2.INTER_AREA), np.float32)
 
 
 def analyze_face(view: FaceView, settings: Settings) -> AnalyzedFace | None:

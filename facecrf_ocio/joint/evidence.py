@@ -131,7 +131,8 @@ def observe(photo: Photo, settings: Settings) -> Observation | Lacking:
     face = max(found.faces, key=lambda candidate: float(candidate.box_xy[2]))
     # The networks know 8-bit photos: rounding is part of the noise they learned from.
     finer = photo.bit_depth != 8
-    of_face = face_statistics(cut_face(photo, face, settings, to_8_bits=finer), settings)
+    view = cut_face(photo, face, settings, to_8_bits=finer)
+    of_face = face_statistics(view, settings, to_8_bits=finer)
     if of_face is None:
         return Lacking("the face shows too little skin of one hue", _LARGER)
     by_cue = {**photo_statistics(photo.encoded, to_8_bits=finer), **of_face.by_cue}

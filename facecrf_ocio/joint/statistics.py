@@ -87,7 +87,9 @@ def _grain(encoded: npt.NDArray[np.float32], to_8_bits: bool) -> Float:
     return np.array([whole, *(np.array(numbers) - whole)])
 
 
-def face_statistics(view: FaceView, settings: Settings) -> Statistics | None:
+def face_statistics(
+    view: FaceView, settings: Settings, *, to_8_bits: bool = False
+) -> Statistics | None:
     """Statistics of one face; None where it shows too little skin.
 
     Parameters
@@ -96,6 +98,8 @@ def face_statistics(view: FaceView, settings: Settings) -> Statistics | None:
         The face at its working size, and as stored: only there is the noise the sensor's.
     settings
         For the skin mask.
+    to_8_bits
+        Round the native pixels to 8 bits, as those at working size have been by `cut_face`.
     """
     mask = find_skin(view.encoded, view.geometry.bare_skin, settings)
     if int(mask.skin.sum()) < MIN_SKIN_PIXELS:
@@ -107,7 +111,7 @@ def face_statistics(view: FaceView, settings: Settings) -> Statistics | None:
         "highlights": _highlights(view.encoded[view.geometry.bare_skin].astype(np.float64)),
         "pigments": _pigments(skin),
     }
-    noise = _noise(view.native, mask.skin)
+    noise = _noise(view.native, mask.skin, to_8_bits)
     if noise is not None:
         found["noise"] = noise
     eyes = _eyes(view, skin)
@@ -151,12 +155,15 @@ def _pigments(skin: Float) -> Float:
     return np.array(numbers)
 
 
-def _noise(native: npt.NDArray[np.float32], skin: npt.NDArray[np.bool_]) -> Float | None:
+def _noise(
+    native: npt.NDArray[np.float32], skin: npt.NDArray[np.bool_], to_8_bits: bool
+) -> Float | None:
     """Log deviation of the noise at each brightness of the skin.
 
     From a second difference that smooth shading and its slope do not enter.
     """
     green = np.ascontiguousarray(native[..., 1])
+    green = in_8_bits(green) if to_8_bits else green
     height, width = green.shape
     inside = cv2.resize(skin.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)
     inside[[0, -1]] = 0
