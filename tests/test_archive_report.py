@@ -27,6 +27,7 @@ from facecrf_ocio.archive.report import write_report
 from facecrf_ocio.archive.run import Job, run
 from facecrf_ocio.archive.task import Recipe
 from facecrf_ocio.archive.walk import photos_under
+from facecrf_ocio.export import read_sidecar
 
 ODD = 'odd "name" <script>alert(1)<!-- & \n line.png'
 REPORT = "facecrf-report.html"
@@ -148,14 +149,14 @@ def test_curves_and_bands_are_those_of_the_sidecars(archive):
     row = page.row("film.jpg")
     text = json.loads(page.texts["curves"])[page.data["columns"]["curve"][row]]
     linear, half = np.frombuffer(base64.b64decode(text), "<u2").reshape(2, -1) / 65535
-    record = json.loads((archive / "film.jpg.crf.json").read_text())
+    record = read_sidecar(archive / "film.jpg.crf.json")
     codes = np.linspace(0, 1, linear.size)
-    there = record["curve"]["encoded"]
-    truth = np.interp(codes, there, record["curve"]["linear"][1])
-    sigma = np.array(record["confidence"]["sigma"][1])
+    there = record.curve.encoded
+    truth = np.interp(codes, there, record.curve.linear[1])
+    sigma = record.confidence.sigma[1]
     assert np.abs(linear - truth).max() <= 1 / 65535
     assert np.abs(half - 1.645 * np.interp(codes, there, sigma)).max() <= 1 / 65535
-    mean = 100 * 1.645 * np.mean(record["confidence"]["sigma"])
+    mean = 100 * 1.645 * np.mean(record.confidence.sigma)
     assert page.data["columns"]["band"][row] == pytest.approx(mean, abs=0.01)
 
 
@@ -164,9 +165,9 @@ def test_thumbnails_show_the_photo_as_encoded_and_linearized(archive, name):
     before, after = page_of(archive).pictures(name)
     with Image.open(archive.parent / "photos" / name) as image:
         full = np.asarray(image.convert("RGB")) / 255.0
-    record = json.loads((archive / f"{name}.crf.json").read_text())["curve"]
-    curves = zip(np.moveaxis(full, -1, 0), record["linear"], strict=True)
-    linear = np.stack([np.interp(x, record["encoded"], curve) for x, curve in curves], axis=-1)
+    record = read_sidecar(archive / f"{name}.crf.json").curve
+    curves = zip(np.moveaxis(full, -1, 0), record.linear, strict=True)
+    linear = np.stack([np.interp(x, record.encoded, curve) for x, curve in curves], axis=-1)
     shown = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     size = before.shape[1::-1]
     assert max(size) == 96

@@ -12,9 +12,11 @@ import pytest
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 
 from facecrf_ocio.errors import LutError, OutputError
 from facecrf_ocio.export import read_sidecar, write_sidecar
+from facecrf_ocio.export.sampled import TOLERANCE, read_rows, thinned
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import (
     Camera,
@@ -122,6 +124,88 @@ def test_confidence_comes_back_to_six_digits(tmp_path: Path) -> None:
     np.testing.assert_allclose(back.coverage, known.coverage, rtol=1e-5)
 
 
+def old_record(path: Path, given_estimate: Estimate) -> Path:
+    """A record as the first version wrote it: all numbers, of all channels."""
+    path = write_sidecar(path, photo(), given_estimate, Settings())
+    record = json.loads(path.read_text("utf-8"))
+    curve, told = given_estimate.curve, given_estimate.confidence
+    assert told is not None
+    record["schema_version"] = 1
+    record["curve"] = {"encoded": curve.encoded.tolist(), "linear": curve.linear.tolist()}
+    record["confidence"].update(sigma=told.sigma.tolist(), coverage=told.coverage.tolist())
+    path.write_text(json.dumps(record), "utf-8")
+    return path
+
+
+def smooth_estimate() -> Estimate:
+    """One curve for all channels at 4096 codes, as the estimators give them."""
+    codes = np.linspace(0.0, 1.0, 4096)
+    sigma = 0.05 * np.sin(np.pi * codes) + 0.01 * codes * (1 - codes)
+    triangle = np.interp(codes, [0, 0.3, 0.31, 1], [0, 1, 0.2, 0.25])
+    confidence = Confidence(
+        np.tile(sigma, (3, 1)), np.stack([triangle, triangle**2, codes]), Verdict.WEAK, ()
+    )
+    linear = np.tile(codes**2.2 / (codes**2.2)[-1], (3, 1))
+    return estimate(found=InverseCRF(codes, linear), confidence=confidence)
+
+
+@pytest.mark.parametrize("given_estimate", [estimate(), smooth_estimate()])
+def test_a_record_of_the_first_version_is_read(given_estimate: Estimate, tmp_path: Path) -> None:
+    back = read_sidecar(old_record(tmp_path / "a.crf.json", given_estimate))
+    assert back.curve is not None
+    assert back.confidence is not None
+    assert given_estimate.confidence is not None
+    np.testing.assert_array_equal(back.curve.encoded, given_estimate.curve.encoded)
+    np.testing.assert_array_equal(back.curve.linear, given_estimate.curve.linear)
+    np.testing.assert_array_equal(back.confidence.sigma, given_estimate.confidence.sigma)
+    np.testing.assert_array_equal(back.confidence.coverage, given_estimate.confidence.coverage)
+
+
+def test_a_curve_is_written_once_and_smooth_bands_thinned(tmp_path: Path) -> None:
+    given_estimate = smooth_estimate()
+    told = given_estimate.confidence
+    assert told is not None
+    path = write_sidecar(tmp_path / "a.crf.json", photo(), given_estimate, Settings())
+    assert path.stat().st_size < 100_000
+    back = read_sidecar(path)
+    assert back.curve is not None
+    assert back.confidence is not None
+    np.testing.assert_array_equal(back.curve.encoded, given_estimate.curve.encoded)
+    np.testing.assert_array_equal(back.curve.linear, given_estimate.curve.linear)
+    assert np.abs(back.confidence.sigma - told.sigma).max() <= 1e-5
+    assert np.abs(back.confidence.coverage - told.coverage).max() <= 1e-5
+
+
+@hypothesis_settings(max_examples=100, deadline=None)
+@given(
+    rows=arrays(np.float64, st.tuples(st.just(3), st.integers(1, 60)), elements=st.floats(0.0, 1.0))
+)
+def test_thinned_numbers_come_back_within_their_tolerance(rows: np.ndarray) -> None:
+    record = json.loads(json.dumps(thinned(rows)))
+    np.testing.assert_allclose(read_rows(record), rows, rtol=1e-5, atol=TOLERANCE)
+
+
+@hypothesis_settings(max_examples=50, deadline=None)
+@given(
+    nodes=st.lists(st.floats(0.0, 1.0), min_size=2, max_size=60),
+    bend=st.floats(0.0, 3.0),
+)
+def test_what_was_read_back_is_written_the_same_again(nodes: list[float], bend: float) -> None:
+    places = np.linspace(0.0, 1.0, 4096)
+    row = np.interp(places, np.linspace(0.0, 1.0, len(nodes)), nodes) ** (1.0 + bend)
+    once = thinned(row[None])
+    assert thinned(read_rows(once)) == once
+
+
+@pytest.mark.parametrize("at", [[], [1, 3], [0, 3, 2], [0, 0, 3], [0, None], "ab"])
+def test_thinned_numbers_out_of_order_are_no_record(at: object, tmp_path: Path) -> None:
+    path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
+    confidence = json.loads(path.read_text("utf-8"))["confidence"]
+    odd = {**confidence, "sigma": [{"at": at, "is": [0.1, 0.2, 0.3]}]}
+    with pytest.raises(LutError, match=r"a\.crf\.json: is not a sidecar of facecrf"):
+        read_sidecar(damaged(path, confidence=odd))
+
+
 def test_versions_of_what_made_it_are_told(tmp_path: Path) -> None:
     path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
     versions = read_sidecar(path).versions
@@ -227,7 +311,7 @@ def test_other_files_are_told_in_one_line(content: bytes, tmp_path: Path) -> Non
 def test_a_newer_sidecar_asks_for_an_update(tmp_path: Path) -> None:
     path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
     with pytest.raises(LutError, match="was written by a newer facecrf; update"):
-        read_sidecar(damaged(path, schema_version=2))
+        read_sidecar(damaged(path, schema_version=3))
 
 
 def test_a_missing_sidecar_is_told(tmp_path: Path) -> None:

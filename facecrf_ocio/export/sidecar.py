@@ -12,6 +12,7 @@ import numpy as np
 from facecrf_ocio.errors import FaceCRFError, LutError
 from facecrf_ocio.export import strict_json
 from facecrf_ocio.export.atomic import Draft, write_files
+from facecrf_ocio.export.sampled import codes_record, one_for_all, read_codes, read_rows, thinned
 from facecrf_ocio.export.versions import versions
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import (
@@ -24,10 +25,13 @@ from facecrf_ocio.values import (
     Photo,
     Primaries,
     Verdict,
+    frozen,
 )
 
 SCHEMA = "facecrf sidecar"
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
+"""1 wrote all numbers of a curve for each channel; it is read, too."""
+
 SUFFIX = ".crf.json"
 _T = TypeVar("_T")
 
@@ -64,7 +68,7 @@ class Sidecar:
     curve
         The inverse CRF to the last digit; None where the photo could not be calibrated.
     confidence
-        Its numbers have six significant digits.
+        Its numbers have six significant digits; where they are smooth they are within 1e-5.
     settings
         All settings of the calibration, by name.
     versions
@@ -196,7 +200,9 @@ def _source(photo: Photo) -> Source:
 
 
 def _curve_record(curve: InverseCRF | None) -> dict[str, object] | None:
-    return None if curve is None else {"encoded": curve.encoded, "linear": curve.linear}
+    if curve is None:
+        return None
+    return {"encoded": codes_record(curve.encoded), "linear": one_for_all(curve.linear)}
 
 
 def _confidence_record(confidence: Confidence | None) -> dict[str, object] | None:
@@ -205,13 +211,9 @@ def _confidence_record(confidence: Confidence | None) -> dict[str, object] | Non
     return {
         "verdict": confidence.verdict.value,
         "reasons": confidence.reasons,
-        "sigma": _rounded(confidence.sigma),
-        "coverage": _rounded(confidence.coverage),
+        "sigma": thinned(confidence.sigma),
+        "coverage": thinned(confidence.coverage),
     }
-
-
-def _rounded(numbers: Float) -> Float:
-    return np.array([[float(f"{number:.6g}") for number in row] for row in numbers.tolist()])
 
 
 def _compare(written: Path, path: Path, estimate: Estimate) -> None:
@@ -235,16 +237,14 @@ def _require_schema(record: Any, path: Path) -> None:
 
 
 def _sidecar(record: Any) -> Sidecar:
-    curve, coefficients = record["curve"], record["coefficients"]
+    curve, coefficients = _read_curve(record["curve"]), record["coefficients"]
     return Sidecar(
         source=_read_source(record["source"]),
         outcome=Outcome(record["outcome"]),
         estimator=str(record["estimator"]),
         reason=str(record["reason"]),
         remedy=str(record["remedy"]),
-        curve=None
-        if curve is None
-        else InverseCRF(_array(curve["encoded"]), _array(curve["linear"])),
+        curve=curve,
         confidence=_read_confidence(record["confidence"]),
         coefficients=None if coefficients is None else _array(coefficients),
         energy={name: _number(value) for name, value in record["energy"].items()},
@@ -254,6 +254,12 @@ def _sidecar(record: Any) -> Sidecar:
         versions=dict(record["versions"]),
         luts=tuple(record["luts"]),
     )
+
+
+def _read_curve(record: dict[str, Any] | None) -> InverseCRF | None:
+    if record is None:
+        return None
+    return InverseCRF(read_codes(record["encoded"]), read_rows(record["linear"]))
 
 
 def _read_source(record: dict[str, Any]) -> Source:
@@ -268,8 +274,8 @@ def _read_confidence(record: dict[str, Any] | None) -> Confidence | None:
     if record is None:
         return None
     return Confidence(
-        sigma=_array(record["sigma"]),
-        coverage=_array(record["coverage"]),
+        sigma=frozen(read_rows(record["sigma"])),
+        coverage=frozen(read_rows(record["coverage"])),
         verdict=Verdict(record["verdict"]),
         reasons=tuple(record["reasons"]),
     )

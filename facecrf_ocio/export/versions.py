@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from functools import cache
 
 from facecrf_ocio import __version__
 
@@ -28,6 +29,7 @@ def versions() -> dict[str, str]:
     return found
 
 
+@cache  # parsing what was installed costs more than writing the record that tells it
 def _version(distribution: str) -> str:
     from importlib import metadata  # noqa: PLC0415 - slow, and needed only when a file is written
 
