@@ -14,13 +14,13 @@ import os
 import signal
 import sys
 import threading
+from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from time import monotonic
-from typing import Any
 
 from facecrf_ocio.archive.task import FAILED, Result, Task
 
@@ -58,7 +58,6 @@ class _Worker:
     since: float = 0.0
     photos: int = 0
     ready: bool = False
-    blame: str = field(default="")
 
 
 class Pool:
@@ -68,7 +67,7 @@ class Pool:
         self.jobs, self.limits = jobs, limits
         self._context = multiprocessing.get_context("spawn")
         self._workers: list[_Worker] = []
-        self._again: list[Task] = []
+        self._waiting: deque[Task] = deque()
         self._tried: set[str] = set()
 
     def __enter__(self) -> Pool:
@@ -86,34 +85,45 @@ class Pool:
         self._workers.clear()
 
     @property
+    def capacity(self) -> int:
+        """Photos to be handed out at a time.
+
+        One a worker waits, so that no worker does while photos are recorded and looked for.
+        """
+        return 2 * self.jobs
+
+    @property
     def busy(self) -> int:
         """Photos handed out and not yet answered."""
-        return sum(worker.task is not None for worker in self._workers) + len(self._again)
+        return sum(worker.task is not None for worker in self._workers) + len(self._waiting)
 
     def submit(self, task: Task) -> None:
-        """Hand out a photo; there must be fewer than `jobs` at work."""
-        worker = next((one for one in self._workers if one.task is None), None)
-        if worker is None:
-            worker = self._hire()
-        worker.task, worker.since = task, monotonic()
-        try:
-            worker.pipe.send(task)
-        except OSError:  # it died while idle; noticed as a crash, and tried again
-            worker.blame = ""
+        """Hand out a photo."""
+        self._waiting.append(task)
+        self._hand_out()
 
     def results(self) -> Iterator[tuple[Task, Result]]:
         """Wait until at least one photo is answered, and yield those that are."""
-        answered = False
-        while self.busy and not answered:
-            handles: list[Any] = [worker.pipe for worker in self._workers if worker.task]
-            wait(handles, timeout=_POLL)
-            for worker in tuple(self._workers):
-                answer = self._look_at(worker)
-                if answer is not None:
-                    answered = True
-                    yield answer
-            while self._again and len([one for one in self._workers if one.task]) < self.jobs:
-                self.submit(self._again.pop())
+        answers: list[tuple[Task, Result]] = []
+        while self.busy and not answers:
+            wait([worker.pipe for worker in self._workers if worker.task], timeout=_POLL)
+            looked = [self._look_at(worker) for worker in tuple(self._workers)]
+            answers = [answer for answer in looked if answer is not None]
+            self._hand_out()
+        yield from answers
+
+    def _hand_out(self) -> None:
+        """Give waiting photos to idle workers, new ones if there are fewer than there may be."""
+        while self._waiting:
+            worker = next((one for one in self._workers if one.task is None), None)
+            if worker is None and len(self._workers) >= self.jobs:
+                return
+            self._give(worker or self._hire(), self._waiting.popleft())
+
+    def _give(self, worker: _Worker, task: Task) -> None:
+        worker.task, worker.since = task, monotonic()
+        with contextlib.suppress(OSError):  # it died while idle: a crash, and tried again
+            worker.pipe.send(task)
 
     def _look_at(self, worker: _Worker) -> tuple[Task, Result] | None:
         if worker.task is None:
@@ -150,7 +160,7 @@ class Pool:
         assert task is not None  # noqa: S101
         if task.name not in self._tried:
             self._tried.add(task.name)
-            self._again.append(task)
+            self._waiting.appendleft(task)
             return None
         self._tried.discard(task.name)
         code = worker.process.exitcode or 0

@@ -153,7 +153,7 @@ class _Run:
 
     def _submit(self, task: Task) -> None:
         self.pool.submit(task)
-        while self.pool.busy >= self.pool.jobs:
+        while self.pool.busy >= self.pool.capacity:
             self._collect()
 
     def _collect_all(self) -> None:

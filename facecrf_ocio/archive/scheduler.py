@@ -103,7 +103,7 @@ class ClusterPool:
         self._flying.clear()
 
     @property
-    def jobs(self) -> int:
+    def capacity(self) -> int:
         """Photos to be handed out at a time: a few more than the cluster works on at once."""
         if monotonic() - self._counted > _COUNT_AGAIN:
             with suppress(OSError):

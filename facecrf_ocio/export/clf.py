@@ -13,8 +13,8 @@ from uuid import UUID, uuid5
 import numpy as np
 
 from facecrf_ocio.export.comments import one_line
-from facecrf_ocio.export.recipe import Recipe, encode_nodes, encode_table, rows_of
-from facecrf_ocio.export.table import LUT_LENGTH, table_rows
+from facecrf_ocio.export.recipe import Recipe, encode_nodes, encode_table
+from facecrf_ocio.export.table import LUT_LENGTH, rows_of, table_rows
 from facecrf_ocio.values import Float, InverseCRF
 
 _NAMESPACE = UUID("6f0b3c5e-54a7-5d0e-9a57-3c1d0c8e4b21")

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.errors import SettingsError
-from facecrf_ocio.export.table import LUT_LENGTH, lut_table, resample
+from facecrf_ocio.export.table import LUT_LENGTH, lut_table, resample, rows_of
 from facecrf_ocio.export.working_space import working_space_matrix
 from facecrf_ocio.values import Float, InverseCRF, Primaries
 
@@ -77,11 +77,6 @@ def uniform_rows(recipe: Recipe) -> tuple[int, str]:
     else:
         table = lut_table(recipe.curve)
     return len(table), rows_of(table)
-
-
-def rows_of(table: npt.NDArray[np.float32]) -> str:
-    """Write (K, 3) as lines "R G B"; nine digits make float32 exact."""
-    return "".join(f"{r:.9g} {g:.9g} {b:.9g}\n" for r, g, b in table.tolist())
 
 
 def expected(recipe: Recipe, name: str) -> tuple[Float, Float]:

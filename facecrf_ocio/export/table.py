@@ -42,5 +42,13 @@ def lut_table(curve: InverseCRF) -> npt.NDArray[np.float32]:
 
 
 def table_rows(curve: InverseCRF) -> str:
-    """Write a curve's LUT as one line "R G B" per entry; nine digits make float32 exact."""
-    return "".join(f"{r:.9g} {g:.9g} {b:.9g}\n" for r, g, b in lut_table(curve).tolist())
+    """Write a curve's LUT as one line "R G B" per entry."""
+    return rows_of(lut_table(curve))
+
+
+def rows_of(table: npt.NDArray[np.float32]) -> str:
+    """Write (K, 3) as lines "R G B"; nine digits make float32 exact."""
+    if (table == table[:, :1]).all():
+        numbers = (f"{value:.9g}" for value in table[:, 0].tolist())
+        return "".join(f"{number} {number} {number}\n" for number in numbers)
+    return "".join(f"{r:.9g} {g:.9g} {b:.9g}\n" for r, g, b in table.tolist())
