@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
+import scipy
 
 from facecrf_ocio.energy.term import Term
 from facecrf_ocio.response.model import ResponseModel
@@ -80,7 +80,7 @@ def solve(model: ResponseModel, terms: Sequence[Weighted], *, shared: bool) -> S
         by_free = gradient.sum(axis=0, keepdims=True) if shared else gradient
         return value, (by_free * scale).ravel()
 
-    result = minimize(
+    result = scipy.optimize.minimize(
         evaluate,
         np.zeros(rows * size),
         jac=True,

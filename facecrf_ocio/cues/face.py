@@ -8,7 +8,7 @@ from functools import partial
 import cv2
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import csc_matrix
+import scipy
 
 from facecrf_ocio.cues.evidence import Answer, Cue, Evidence, Lacking
 from facecrf_ocio.energy.pigment import PigmentEvidence, SkinPigment
@@ -175,7 +175,7 @@ def _onto_nodes(weights: Float, encoded: Float, nodes: Float) -> Float:
     lower = np.clip(position.astype(np.intp), 0, nodes.size - 2)
     fraction = position - lower
     pixel = np.arange(len(encoded))
-    interpolation = csc_matrix(
+    interpolation = scipy.sparse.csc_matrix(
         (
             np.concatenate([1.0 - fraction, fraction]),
             (np.concatenate([lower, lower + 1]), np.concatenate([pixel, pixel])),

@@ -12,7 +12,7 @@ in the coefficients, because at its wall a descent gets stuck.
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import LinearConstraint, minimize
+import scipy
 
 from facecrf_ocio.cues.edge_patches import find_edge_patches, gather_blends, lacking_patches
 from facecrf_ocio.cues.edge_selection import select_patches
@@ -102,12 +102,12 @@ def _descend(term: Term, grid: Float, basis: Float, start: Float) -> Float:
         by_curves = by_samples if len(start) > 1 else by_samples.sum(axis=0, keepdims=True)
         return value, (by_curves @ basis.T).ravel()
 
-    result = minimize(
+    result = scipy.optimize.minimize(
         evaluate,
         start.ravel(),
         jac=True,
         method="SLSQP",
-        constraints=LinearConstraint(rows, -1.0, np.inf),
+        constraints=scipy.optimize.LinearConstraint(rows, -1.0, np.inf),
         options={"maxiter": MAX_ITERATIONS, "ftol": TOLERANCE},
     )
     return np.asarray(result.x.reshape(start.shape))

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import block_array, csc_matrix, eye_array
-from scipy.sparse.linalg import SuperLU, splu
+import scipy
 
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Bool, Float, Index
@@ -36,8 +35,8 @@ class Decomposition:
     """
 
     neighbors: Index
-    same_albedo: csc_matrix
-    factors: SuperLU
+    same_albedo: scipy.sparse.csc_matrix
+    factors: scipy.sparse.linalg.SuperLU
 
     def shading(self, log_radiance: Float) -> Float:
         """Log shading of log radiance (n,) or (n, C), up to a constant."""
@@ -101,15 +100,15 @@ def prepare_decomposition(
     same_albedo = _laplacian(neighbors, close_albedo, size)
     local = same_albedo + _laplacian(neighbors, close_normal, size)
     tied = settings.nonlocal_weight * ties
-    system = block_array(
+    system = scipy.sparse.block_array(
         [
-            [local + settings.nonlocal_weight * eye_array(size), -tied],
+            [local + settings.nonlocal_weight * scipy.sparse.eye_array(size), -tied],
             [-tied.T, ties.T @ tied],
         ]
-    ) + GAUGE * eye_array(size + ties.shape[1])
+    ) + GAUGE * scipy.sparse.eye_array(size + ties.shape[1])
     # A symmetric positive definite matrix needs no pivoting, and keeps its sparsity without.
-    factors = splu(
-        csc_matrix(system),
+    factors = scipy.sparse.linalg.splu(
+        scipy.sparse.csc_matrix(system),
         permc_spec="MMD_AT_PLUS_A",
         diag_pivot_thresh=0.0,
         options={"SymmetricMode": True},
@@ -130,7 +129,7 @@ def _distance(points: Float, pairs: Index) -> Float:
     return np.asarray(np.linalg.norm(points[pairs[:, 1]] - points[pairs[:, 0]], axis=1))
 
 
-def _direction_ties(directions: Float, spacing: float) -> csc_matrix:
+def _direction_ties(directions: Float, spacing: float) -> scipy.sparse.csc_matrix:
     """Bilinear weights (n, nodes) of a grid over the hemisphere, its center `spacing` degrees."""
     position = directions[:, :2] / np.sin(np.radians(spacing))
     corner = np.floor(position).astype(np.intp)
@@ -141,12 +140,12 @@ def _direction_ties(directions: Float, spacing: float) -> csc_matrix:
         weights.append((x if right else 1.0 - x) * (y if up else 1.0 - y))
     _, columns = np.unique(np.concatenate(nodes), return_inverse=True)
     rows = np.tile(np.arange(len(directions)), 4)
-    return csc_matrix((np.concatenate(weights), (rows, columns.ravel())))
+    return scipy.sparse.csc_matrix((np.concatenate(weights), (rows, columns.ravel())))
 
 
-def _laplacian(pairs: Index, weights: Float, size: int) -> csc_matrix:
+def _laplacian(pairs: Index, weights: Float, size: int) -> scipy.sparse.csc_matrix:
     p, q = pairs.T
     rows = np.concatenate([p, q, p, q])
     columns = np.concatenate([p, q, q, p])
     values = np.concatenate([weights, weights, -weights, -weights])
-    return csc_matrix((values, (rows, columns)), shape=(size, size))
+    return scipy.sparse.csc_matrix((values, (rows, columns)), shape=(size, size))
