@@ -13,11 +13,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from facecrf_ocio.cli_calibrate import DEFAULT_FORMATS, FORMAT_NAMES, split_formats
-from facecrf_ocio.cli_options import TEXT_PATH, Choices, estimation_options
+from facecrf_ocio.cli_options import TEXT_PATH, Choices, direction_options, estimation_options
 from facecrf_ocio.cli_terminal import DONE, FAILED, complain, ending_well, one_line, status
+from facecrf_ocio.errors import LutError
 
 if TYPE_CHECKING:
     from facecrf_ocio.archive.run import Event
+    from facecrf_ocio.archive.scheduler import Cluster
 
 INTERRUPTED = 130
 _PLAIN_EVERY = 30.0
@@ -105,6 +107,7 @@ def _kind(outcome: str, verdict: str) -> str:
     callback=split_formats,
     help=f"LUT formats, by commas, of {', '.join(FORMAT_NAMES)}.",
 )
+@direction_options
 @click.option("--exr", is_flag=True, help="Also write scene-linear EXRs.")
 @click.option(
     "--pool",
@@ -146,11 +149,11 @@ def batch(
     """
     from facecrf_ocio.archive.pool import Limits
     from facecrf_ocio.archive.run import Job, run
-    from facecrf_ocio.archive.scheduler import Cluster
     from facecrf_ocio.archive.task import Recipe
     from facecrf_ocio.archive.walk import photos_under
 
-    formats, exr, retry = (options.pop(name) for name in ("formats", "exr", "retry"))
+    exr, retry = options.pop("exr"), options.pop("retry")
+    formats = _endings(*(options.pop(name) for name in ("formats", "direction", "space")))
     limits = Limits(options.pop("timeout"), options.pop("memory"))
     pool = options.pop("pool") == "camera"
     scheduler, ship = options.pop("scheduler"), options.pop("ship")
@@ -167,7 +170,7 @@ def batch(
         *(source, output, recipe, jobs or os.cpu_count() or 1, limits),
         overwrite=choices.overwrite,
         retry=retry,
-        cluster=Cluster(scheduler, ship) if scheduler else None,
+        cluster=_cluster(scheduler, ship),
     )
     total = None
     if files_from is not None:
@@ -185,6 +188,26 @@ def batch(
     except OSError as error:
         return complain(f"{error.filename or output}: {error.strerror or error}", FAILED)
     return DONE
+
+
+def _endings(formats: tuple[str, ...], direction: str, space: str | None) -> tuple[str, ...]:
+    """Endings of a photo's LUTs, or wrong usage where a format cannot hold what is asked for."""
+    if direction == "linearize" and space is None:
+        return formats  # without the libraries that the endings are looked up with
+    from facecrf_ocio.export.lut import endings
+
+    try:
+        return endings(formats, direction, space or "")
+    except LutError as error:
+        raise click.UsageError(str(error)) from None
+
+
+def _cluster(scheduler: str | None, ship: bool | None) -> Cluster | None:
+    if not scheduler:
+        return None
+    from facecrf_ocio.archive.scheduler import Cluster
+
+    return Cluster(scheduler, ship)
 
 
 def _named(text: bytes, source: Path, end: bytes) -> Iterator[Path]:

@@ -261,3 +261,49 @@ def test_the_formats_are_those_of_calibrate_unless_others_are_asked_for(facecrf,
     assert facecrf("batch", archive, "-o", output, "--estimator", "mean", "--jobs", "2").code == 0
     made = {name for name in files(output) if name.startswith("a.jpg")}
     assert made == {f"a.jpg.{ending}" for ending in ("spi1d", "cube", "clf", "crf.json")}
+
+
+def test_directions_and_working_spaces_are_those_of_calibrate(facecrf, archive, tmp_path):
+    output, alone = tmp_path / "luts", tmp_path / "alone"
+    options = ("--estimator", "mean", "--formats", "clf,ctf", "--direction", "both")
+    run = ("batch", archive, "-o", output, "--jobs", "2", *options)
+    assert facecrf(*run, "--to", "acescg").code == 0
+    ends = [f"acescg.{way}{name}" for way in ("", "encode.") for name in ("clf", "ctf")]
+    made = {name for name in files(output) if name.startswith("a.jpg")}
+    assert made == {f"a.jpg.{end}" for end in (*ends, "crf.json")}
+    assert facecrf("verify", output).code == 0
+    # The command for single photos names its files after the stem, and holds the same in them.
+    calibrate = ("calibrate", archive / "a.jpg", "-o", alone, *options, "--to", "acescg")
+    assert facecrf(*calibrate).code == 0
+    for end in ends:
+        assert (output / f"a.jpg.{end}").read_bytes() == (alone / f"a.{end}").read_bytes()
+    # Another direction or space is another recipe: all is redone, and nothing former is left.
+    ended = facecrf(*run)
+    assert "done before" not in ended.err
+    made = {name for name in files(output) if name.startswith("a.jpg")}
+    plain = {f"a.jpg.{way}{name}" for way in ("", "encode.") for name in ("clf", "ctf")}
+    assert made == {*plain, "a.jpg.crf.json"}
+    assert facecrf("verify", output).code == 0
+    (output / "a.jpg.encode.ctf").unlink()
+    ended = facecrf("verify", output)
+    assert (ended.code, ended.out) == (1, "missing: a.jpg.encode.ctf\n")
+
+
+@pytest.mark.parametrize(
+    "options",
+    [("--formats", "cube", "--to", "acescg"), ("--formats", "icc", "--direction", "encode")],
+)
+def test_what_a_format_cannot_hold_is_wrong_usage(facecrf, archive, tmp_path, options):
+    ended = facecrf("batch", archive, "-o", tmp_path / "luts", *options)
+    assert ended.code == 2
+    assert not (tmp_path / "luts").exists()
+
+
+def test_a_file_in_the_way_of_an_encoding_lut_is_not_replaced(facecrf, archive, tmp_path):
+    output = tmp_path / "luts"
+    output.mkdir()
+    (output / "a.jpg.encode.spi1d").write_text("mine", encoding="utf-8")
+    ended = batch(facecrf, archive, output, "--direction", "both")
+    assert "a.jpg.encode.spi1d: exists already" in ended.err
+    assert (output / "a.jpg.encode.spi1d").read_text(encoding="utf-8") == "mine"
+    assert not (output / "a.jpg.spi1d").exists()

@@ -12,7 +12,6 @@ from facecrf_ocio.archive.content import sha256_of
 from facecrf_ocio.archive.manifest import DONE, STARTED, Manifest
 from facecrf_ocio.archive.task import FAILED, WRITE, Result, Shot, Task
 from facecrf_ocio.errors import LutError, OutputError
-from facecrf_ocio.export.sidecar import SUFFIX, read_sidecar
 from facecrf_ocio.values import Estimate, Face, Outcome
 
 
@@ -82,6 +81,8 @@ def _hash(path: Path) -> str:
 
 def _estimate_of(manifest: Manifest, folder: Path, name: str) -> Estimate | None:
     """The estimate as its sidecar has it; None if that is not as it was written."""
+    from facecrf_ocio.export.sidecar import SUFFIX, read_sidecar  # noqa: PLC0415 - heavy
+
     path = folder / f"{name}{SUFFIX}"
     recorded = {output.name: output.sha256 for output in manifest.outputs(name)}
     try:
