@@ -318,6 +318,26 @@ def speed(lut: Path | None, megapixels: float, repeat: int) -> int:
 
 
 @bench.command()
+@click.argument("folder", type=_PATH)
+@click.option(
+    "--photos", type=click.IntRange(8), default=64, show_default=True, help="Use so many."
+)
+@click.option("--jobs", type=click.IntRange(1), default=2, show_default=True)
+@click.option("--repeat", type=click.IntRange(1), default=2, show_default=True)
+@ending_well
+def archive(folder: Path, photos: int, jobs: int, repeat: int) -> int:
+    """Time `batch` on the photos in FOLDER beside calibrating them in a loop, and by more jobs.
+
+    Outputs go to temporary folders.
+    """
+    from facecrf_ocio.benchmark.archive import measure_archive
+
+    names = sorted(path for path in folder.iterdir() if path.is_file())
+    click.echo(measure_archive(names[:photos], jobs, repeat).text)
+    return DONE
+
+
+@bench.command()
 @click.argument("folders", nargs=-1, required=True, type=_PATH)
 @click.option("-o", "--output", required=True, type=_PATH, metavar="PAGE.md")
 @click.option(
