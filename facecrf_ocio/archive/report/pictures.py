@@ -17,7 +17,8 @@ from facecrf_ocio.archive.report.curves import DrawnCurve, drawn
 from facecrf_ocio.archive.report.gather import Archive, Row
 from facecrf_ocio.errors import FaceCRFError
 from facecrf_ocio.export.sidecar import SUFFIX, Sidecar, read_sidecar
-from facecrf_ocio.pixels import code_values
+from facecrf_ocio.lookup import curve_lookup
+from facecrf_ocio.pixels import Pixels, code_values
 from facecrf_ocio.read import read_photo
 from facecrf_ocio.values import Outcome
 
@@ -81,7 +82,7 @@ def pictures_of(archive: Archive, row: Row) -> Pictures:
         return Pictures(missing=str(missing), curve=curve, faces=faces)
     light = encoded if linear else None
     if inverse is not None and light is None:
-        light = inverse.linearize(_shrunk(encoded, 2 * SIDE))
+        light = curve_lookup(inverse).apply(_shrunk(encoded, 2 * SIDE))
     after = "" if light is None else _webp(_through_srgb(_shrunk(light, SIDE)))
     return Pictures(after if linear else _webp(encoded), after, problem, curve, faces)
 
@@ -115,8 +116,8 @@ def _sidecar(folder: Path, row: Row) -> tuple[Sidecar | None, str]:
         return None, NO_RECORD
 
 
-def _read(path: Path, *, linear: bool) -> npt.NDArray[np.float32]:
-    """(H, W, 3) values of the file, upright; of a JPEG no more than twice what is shown."""
+def _read(path: Path, *, linear: bool) -> Pixels:
+    """(H, W, 3) values of the file, upright; of a JPEG codes, no more than twice what is shown."""
     try:
         if path.suffix.lower() in _JPEG and not linear:
             return _read_jpeg(path)
@@ -125,15 +126,14 @@ def _read(path: Path, *, linear: bool) -> npt.NDArray[np.float32]:
         raise _MissingError(UNREADABLE) from None
 
 
-def _read_jpeg(path: Path) -> npt.NDArray[np.float32]:
+def _read_jpeg(path: Path) -> npt.NDArray[np.uint8]:
     """Decode only the low frequencies, many times as fast as the whole."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of damaged metadata; its size the batch has checked
         with Image.open(path) as image:
             image.draft(None, (2 * SIDE, 2 * SIDE))
             image.thumbnail((2 * SIDE, 2 * SIDE), Image.Resampling.BOX)
-            codes = np.array(ImageOps.exif_transpose(image).convert("RGB"))
-    return code_values(codes, 8)
+            return np.array(ImageOps.exif_transpose(image).convert("RGB"))
 
 
 def _through_srgb(linear: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
@@ -143,18 +143,19 @@ def _through_srgb(linear: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
     return np.asarray(np.where(light <= 0.0031308, 12.92 * light, bright), np.float32)
 
 
-def _shrunk(image: npt.NDArray[np.float32], side: int) -> npt.NDArray[np.float32]:
+def _shrunk(image: Pixels, side: int) -> Pixels:
     """Average over areas until the longer side is `side`; a smaller image stays as it is."""
     height, width = image.shape[:2]
     scale = side / max(height, width)
     if scale >= 1.0:
         return image
     size = (max(round(width * scale), 1), max(round(height * scale), 1))
-    return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.float32)
+    return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), image.dtype)
 
 
-def _webp(encoded: npt.NDArray[np.float32]) -> str:
-    codes = np.rint(255.0 * np.clip(_shrunk(encoded, SIDE), 0.0, 1.0)).astype(np.uint8)
+def _webp(encoded: Pixels) -> str:
+    values = code_values(encoded, 8) if encoded.dtype == np.uint8 else encoded
+    codes = np.rint(255.0 * np.clip(_shrunk(values, SIDE), 0.0, 1.0)).astype(np.uint8)
     content = BytesIO()
     Image.fromarray(codes).save(content, "WEBP", quality=QUALITY, method=4)
     return base64.b64encode(content.getvalue()).decode()
