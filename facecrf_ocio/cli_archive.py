@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from facecrf_ocio.archive.walk import as_utf8
 from facecrf_ocio.cli_calibrate import DEFAULT_FORMATS, FORMAT_NAMES, split_formats
 from facecrf_ocio.cli_options import TEXT_PATH, Choices, direction_options, estimation_options
 from facecrf_ocio.cli_terminal import DONE, FAILED, complain, ending_well, one_line, status
@@ -60,7 +61,7 @@ class _Progress:
         if event.fresh and result.outcome == "failed":
             if self.live is not None:
                 self.live.stop()
-            click.echo(f"facecrf: {one_line(f'{event.name}: failed: {result.reason}')}", err=True)
+            click.echo(f"facecrf: {one_line(_failure(event))}", err=True)
             if self.live is not None:
                 self.live.start()
         if self.live is not None:
@@ -82,6 +83,13 @@ class _Progress:
             if self.total is not None and self.total > self.done:
                 text += f", {(self.total - self.done) / rate / 60:.0f} min left"
         return f"{text}: " + ", ".join(f"{self.counts[kind]} {kind}" for kind in _KINDS)
+
+
+def _failure(event: Event) -> str:
+    """Which photo, what is wrong and what to do, without its name once more inside."""
+    reason = as_utf8(event.result.reason)
+    wrong = reason.rpartition(f"{event.name}: ")[2]
+    return "; ".join(filter(None, (f"{event.name}: failed: {wrong}", event.result.remedy)))
 
 
 def _kind(outcome: str, verdict: str) -> str:

@@ -15,9 +15,11 @@ from typing import Any
 
 from facecrf_ocio.archive.schema import VERSION, bring_up
 from facecrf_ocio.archive.task import Gathered, Output, Result
+from facecrf_ocio.archive.walk import as_utf8
 from facecrf_ocio.errors import OutputError
 
 FILE = "facecrf-manifest.sqlite"
+UNSEEN = -1
 STARTED, GATHERED, WRITING, DONE = "started", "gathered", "writing", "done"
 
 
@@ -29,7 +31,10 @@ _COLUMNS = (
 
 @dataclass(frozen=True, slots=True)
 class Stamp:
-    """By what a photo is known to be unchanged without reading it, and how it was treated."""
+    """By what a photo is known to be unchanged without reading it, and how it was treated.
+
+    The size is `UNSEEN` where nothing can be known of it.
+    """
 
     size: int
     mtime_ns: int
@@ -140,7 +145,7 @@ class Manifest:
         self.change(
             "UPDATE photos SET state = ?, outcome = ?, verdict = ?, estimator = ?, reason = ?, "
             "remedy = ?, write_s = ?, curve = CASE WHEN ? THEN curve ELSE '' END WHERE name = ?",
-            *(DONE, result.outcome, result.verdict, result.estimator, result.reason),
+            *(DONE, result.outcome, result.verdict, result.estimator, as_utf8(result.reason)),
             *(result.remedy, result.timing.write, bool(result.outputs), name),
         )
         self._list_outputs(name, result.outputs)
@@ -159,8 +164,8 @@ class Manifest:
             f"VALUES ({', '.join('?' * 20)})",
             (
                 *(name, stamp.size, stamp.mtime_ns, result.sha256, stamp.recipe, state),
-                *(result.outcome, result.verdict, result.estimator, result.reason, result.remedy),
-                *result.camera,
+                *(result.outcome, result.verdict, result.estimator, as_utf8(result.reason)),
+                *(result.remedy, *result.camera),
                 *(result.timing.read, result.timing.estimate, result.timing.write),
                 *("own" if result.outputs else "", fingerprint if result.sha256 else ""),
             ),
@@ -178,6 +183,11 @@ class Manifest:
         self._base.execute(
             "DELETE FROM photos WHERE name = ? AND outcome = '' AND state = ?", (name, STARTED)
         )
+
+    def forget_unseen(self) -> None:
+        """Take back what could not be looked at: whether it can be now is to be found out."""
+        with self.transaction():
+            self.change("DELETE FROM photos WHERE size = ?", UNSEEN)
 
     def started(self) -> tuple[str, ...]:
         """Return the photos whose outputs may be half there."""

@@ -15,8 +15,18 @@ from facecrf_ocio import __version__
 from facecrf_ocio.archive.content import fingerprint_of, sha256_of
 from facecrf_ocio.archive.duplicates import from_twin, mark_duplicates
 from facecrf_ocio.archive.folders import make_folder
-from facecrf_ocio.archive.manifest import DONE, GATHERED, STARTED, WRITING, Known, Manifest, Stamp
+from facecrf_ocio.archive.manifest import (
+    DONE,
+    GATHERED,
+    STARTED,
+    UNSEEN,
+    WRITING,
+    Known,
+    Manifest,
+    Stamp,
+)
 from facecrf_ocio.archive.pool import Limits, Pool
+from facecrf_ocio.archive.status import status_of
 from facecrf_ocio.archive.task import FAILED, GATHER, WHOLE, Recipe, Result, Task
 from facecrf_ocio.archive.walk import name_of
 from facecrf_ocio.errors import OutputError, PhotoError
@@ -141,6 +151,7 @@ class _Run:
 
     def through(self, photos: Iterable[Path]) -> None:
         seen = False
+        self.manifest.forget_unseen()
         for task in self._to_do(photos):
             seen = True
             self._submit(task)
@@ -199,9 +210,9 @@ class _Run:
         """Return what is to be done with a photo, None if nothing is."""
         name = name_of(path, self.job.source)
         try:
-            status = path.stat()
-        except OSError:
-            self._require_source()
+            status = status_of(path)
+        except PhotoError as error:
+            self._list_unseen(name, str(error))
             return None
         stamp = Stamp(status.st_size, status.st_mtime_ns, self.recipe)
         known = self.manifest.known(name)
@@ -216,6 +227,16 @@ class _Run:
             self.tell(Event(name, Result(""), fresh=False, step=GATHERED))
             return None
         return self._begin(path, name, stamp, known)
+
+    def _list_unseen(self, name: str, problem: str) -> None:
+        """List what cannot be looked at; what is known of it from before stays as it is."""
+        self._require_source()
+        if self.manifest.known(name) is not None:
+            return
+        result = Result(FAILED, reason=problem)
+        with self.manifest.transaction():
+            self.manifest.finish(name, Stamp(UNSEEN, 0, self.recipe), result)
+        self.tell(Event(name, result, fresh=True))
 
     def _begin(self, path: Path, name: str, stamp: Stamp, known: Known | None) -> Task | None:
         """Mark a photo as begun, and return what a worker is to do with it."""

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from facecrf_ocio.archive.content import sha256_of
 from facecrf_ocio.archive.manifest import FILE, Manifest
+from facecrf_ocio.archive.walk import name_of
 from facecrf_ocio.errors import OutputError
 
 REPORT = "facecrf-report.html"
@@ -49,7 +50,7 @@ def verify(folder: Path) -> Iterator[Fault]:
 def _extras(folder: Path, manifest: Manifest) -> Iterator[Fault]:
     for place, _, names in os.walk(folder):
         for file in sorted(names):
-            name = Path(place, file).relative_to(folder).as_posix()
+            name = name_of(Path(place, file), folder)
             ours = name.startswith("facecrf-manifest.") or name == REPORT
             if not ours and not manifest.has_output(name):
                 yield Fault(name, EXTRA)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
+import stat
 from collections.abc import Iterator, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
+
+from facecrf_ocio.errors import PhotoError
 
 SUFFIXES = (
     *(".jpg", ".jpeg", ".jpe", ".jp2", ".png", ".tif", ".tiff", ".webp", ".bmp", ".gif", ".heic"),
@@ -20,6 +23,9 @@ def photos_under(
 ) -> Iterator[Path]:
     """Walk a folder in the order of names.
 
+    A folder below it that cannot be read is given in place of its photos, and so are links that
+    lead nowhere: whoever looks at them finds what is wrong.
+
     Parameters
     ----------
     root
@@ -29,10 +35,12 @@ def photos_under(
 
     Raises
     ------
-    OSError
-        If a folder cannot be read.
+    PhotoError
+        If the folder itself cannot be read.
     """
-    for folder, below, names in os.walk(root, onerror=_raise):
+    unread: list[OSError] = []
+    for folder, below, names in os.walk(root, onerror=unread.append):
+        yield from _places(unread, root)
         below[:] = sorted(
             name for name in below if not _matches(Path(folder, name).relative_to(root), exclude)
         )
@@ -43,8 +51,28 @@ def photos_under(
                 wanted = _matches(relative, include)
             else:
                 wanted = path.suffix.lower() in SUFFIXES and not name.startswith("._")
-            if wanted and not _matches(relative, exclude) and path.is_file():
+            if wanted and not _matches(relative, exclude) and _may_be_photo(path):
                 yield path
+    yield from _places(unread, root)
+
+
+def _places(unread: list[OSError], root: Path) -> Iterator[Path]:
+    """Take out the folders that could not be read."""
+    while unread:
+        error = unread.pop()
+        place = Path(error.filename)
+        if place == root:
+            problem = f"cannot be read: {(error.strerror or str(error)).lower()}"
+            raise PhotoError(root, problem, "mount it, or allow reading it, and start again")
+        yield place
+
+
+def _may_be_photo(path: Path) -> bool:
+    """Whether it is a file, or cannot be looked at; devices, pipes and folders are no photos."""
+    try:
+        return stat.S_ISREG(path.stat().st_mode)
+    except OSError:
+        return True
 
 
 def _matches(relative: Path, globs: Sequence[str]) -> bool:
@@ -52,10 +80,11 @@ def _matches(relative: Path, globs: Sequence[str]) -> bool:
     return any(fnmatchcase(text, glob.lower()) for glob in globs for text in texts)
 
 
-def _raise(error: OSError) -> None:
-    raise error
-
-
 def name_of(path: Path, root: Path) -> str:
     """Key of a photo in the manifest: its path below `root` with slashes, as UTF-8 text."""
-    return os.fsencode(path.relative_to(root).as_posix()).decode("utf-8", "backslashreplace")
+    return as_utf8(path.relative_to(root).as_posix())
+
+
+def as_utf8(text: str) -> str:
+    r"""Text that may hold names of files, their bytes that are not UTF-8 written as `\xe9`."""
+    return text.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")

@@ -89,7 +89,7 @@ def _columns(
     drawn = [None if item is None else item.curve for item in seen]
     return {
         "name": [row.name for row in rows],
-        "size": [row.size for row in rows],
+        "size": [max(row.size, 0) for row in rows],
         "kind": [KINDS.index(row.kind) for row in rows],
         "outcome": words.column(row.outcome for row in rows),
         "estimator": words.column(row.estimator for row in rows),
