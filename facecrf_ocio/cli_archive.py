@@ -44,10 +44,11 @@ class _Progress:
             self.live.start()
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: object, *_: object) -> None:
         if self.live is not None:
             self.live.stop()
-        click.echo(self._line(), err=True)
+        if self.done or self.gathered or kind is None:  # else the error alone says it all
+            click.echo(self._line(), err=True)
 
     def __call__(self, event: Event) -> None:
         result = event.result
@@ -124,8 +125,20 @@ def _kind(outcome: str, verdict: str) -> str:
     show_default=True,
     help="One curve from all photos of a camera, by EXIF; and one for each bracket.",
 )
-@click.option("--timeout", default=300.0, show_default=True, help="Seconds for one photo.")
-@click.option("--memory", default=4096, show_default=True, help="MB for one process.")
+@click.option(
+    "--timeout",
+    default=300.0,
+    show_default=True,
+    type=click.FloatRange(0.0, min_open=True),
+    help="Seconds for one photo.",
+)
+@click.option(
+    "--memory",
+    default=4096,
+    show_default=True,
+    type=click.IntRange(1),
+    help="MB for one process.",
+)
 @click.option("--retry", is_flag=True, help="Try photos again that failed before.")
 @click.option(
     "--scheduler",

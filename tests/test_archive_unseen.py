@@ -93,11 +93,36 @@ def test_photos_done_before_their_folder_was_locked_stay_done(facecrf, source, t
 def test_a_source_that_cannot_be_read_is_told_in_one_line(facecrf, source, tmp_path, lock):
     lock(source)
     ended = facecrf("batch", source, "-o", tmp_path / "luts", *OPTIONS)
-    assert ended.code == 3
-    assert told(ended.err) == [
+    assert (ended.code, ended.err) == (
+        3,
         f"facecrf: {source}: cannot be read: permission denied; "
-        "mount it, or allow reading it, and start again"
-    ]
+        "mount it, or allow reading it, and start again\n",
+    )
+
+
+def test_outputs_that_cannot_be_written_are_told_in_one_line(
+    facecrf, source, tmp_path, monkeypatch
+):
+    (tmp_path / "luts").mkdir()
+    real = Path.open
+
+    def refuse(path, *args, **kwargs):
+        if path.parent == tmp_path / "luts":
+            raise PermissionError(13, "Permission denied", str(path))
+        return real(path, *args, **kwargs)
+
+    monkeypatch.setattr(Path, "open", refuse)
+    ended = facecrf("batch", source, "-o", tmp_path / "luts", *OPTIONS)
+    assert (ended.code, ended.err) == (
+        1,
+        f"facecrf: {tmp_path / 'luts'}: cannot be written: permission denied; "
+        "choose a folder you may write to\n",
+    )
+
+
+@pytest.mark.parametrize("limit", [("--timeout", "0"), ("--memory", "0"), ("--timeout", "-1")])
+def test_limits_that_no_photo_can_keep_are_wrong_usage(facecrf, source, tmp_path, limit):
+    assert facecrf("batch", source, "-o", tmp_path / "luts", *OPTIONS, *limit).code == 2
 
 
 def test_links_that_lead_nowhere_are_listed_and_other_things_passed_over(facecrf, source, tmp_path):
@@ -161,6 +186,6 @@ def test_a_failure_without_a_path_of_its_own_tells_what_to_do(facecrf, source, t
     ended = facecrf("batch", source, "-o", tmp_path / "luts", *OPTIONS, "--memory", "1")
     assert told(ended.err) == [
         f"facecrf: {name}: failed: needed more than 1 MB of memory and was stopped; "
-        "use a smaller version of it, or raise the limit"
+        "use a smaller version of it, or raise --memory and pass --retry"
         for name in ("a.png", "locked/b.png")
     ]

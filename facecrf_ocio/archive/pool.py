@@ -28,7 +28,6 @@ from facecrf_ocio.archive.task import FAILED, Result, Task
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _ENVIRONMENT = threading.Lock()
 _POLL = 0.25
-_SMALLER = "use a smaller version of it, or raise the limit"
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,10 +138,10 @@ class Pool:
             return self._crashed(worker)
         if worker.ready and monotonic() - worker.since > self.limits.seconds:
             reason = f"took longer than {self.limits.seconds:g} s and was stopped"
-            return self._stopped(worker, reason)
+            return self._stopped(worker, reason, "--timeout")
         if _resident_megabytes(worker.process.pid) > self.limits.megabytes:
             reason = f"needed more than {self.limits.megabytes} MB of memory and was stopped"
-            return self._stopped(worker, reason)
+            return self._stopped(worker, reason, "--memory")
         return None
 
     def _answered(self, worker: _Worker, result: Result) -> tuple[Task, Result]:
@@ -165,13 +164,15 @@ class Pool:
         self._tried.discard(task.name)
         code = worker.process.exitcode or 0
         how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-        return task, Result(FAILED, reason=f"crashed the process that read it, twice ({how})")
+        reason = f"crashed the process that read it, twice ({how})"
+        return task, Result(FAILED, reason=reason, remedy="convert it to TIFF by another program")
 
-    def _stopped(self, worker: _Worker, reason: str) -> tuple[Task, Result]:
+    def _stopped(self, worker: _Worker, reason: str, limit: str) -> tuple[Task, Result]:
         task = worker.task
         self._dismiss(worker)
         assert task is not None  # noqa: S101
-        return task, Result(FAILED, reason=reason, remedy=_SMALLER)
+        remedy = f"use a smaller version of it, or raise {limit} and pass --retry"
+        return task, Result(FAILED, reason=reason, remedy=remedy)
 
     def _dismiss(self, worker: _Worker) -> None:
         worker.process.kill()

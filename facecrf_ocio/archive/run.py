@@ -365,7 +365,13 @@ def _identity(source: Path) -> tuple[int, int]:
 @contextmanager
 def _alone(folder: Path) -> Iterator[None]:
     """Keep other runs out of a folder; the lock ends with the process, however that ends."""
-    with (folder / LOCK).open("a") as lock:
+    try:
+        file = (folder / LOCK).open("a")
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        problem = f"{folder}: cannot be written: {reason}; choose a folder you may write to"
+        raise OutputError(problem) from error
+    with file as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
