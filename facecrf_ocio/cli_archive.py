@@ -246,7 +246,7 @@ def _named(text: bytes, source: Path, end: bytes) -> Iterator[Path]:
 @click.argument("folder", type=click.Path(path_type=Path))
 @ending_well
 def verify(folder: Path) -> int:
-    """Compare the files of a batch in FOLDER with what was written: missing, altered, extra."""
+    """Tell which files of a batch in FOLDER are missing, altered, unreadable or extra."""
     from facecrf_ocio.archive.verify import verify as faults_in
 
     count = 0

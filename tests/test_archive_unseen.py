@@ -189,3 +189,30 @@ def test_a_failure_without_a_path_of_its_own_tells_what_to_do(facecrf, source, t
         "use a smaller version of it, or raise --memory and pass --retry"
         for name in ("a.png", "locked/b.png")
     ]
+
+
+def test_a_check_changes_nothing_and_goes_on_where_a_file_cannot_be_read(
+    facecrf, source, tmp_path, monkeypatch
+):
+    output = tmp_path / "luts"
+    assert facecrf("batch", source, "-o", output, *OPTIONS).code == 0
+    (output / "locked" / "b.png.crf.json").unlink()
+    before = {path: path.read_bytes() for path in files_in(output)}
+    real = Path.open
+
+    def refuse(path, *args, **kwargs):
+        if path.name == "a.png.spi1d":
+            raise OSError(5, "Input/output error", str(path))
+        return real(path, *args, **kwargs)
+
+    monkeypatch.setattr(Path, "open", refuse)
+    ended = facecrf("verify", output)
+    assert ended.code == 1
+    assert ended.out == "unreadable: a.png.spi1d\nmissing: locked/b.png.crf.json\n"
+    monkeypatch.undo()
+    assert {path: path.read_bytes() for path in files_in(output)} == before
+
+
+def files_in(output: Path) -> list[Path]:
+    """All files but those of SQLite's journal."""
+    return [path for path in output.rglob("*") if path.is_file() and "-" not in path.suffix]

@@ -1,24 +1,25 @@
-"""Whether the outputs of an archive are still what was written."""
+"""Whether the outputs of an archive are still what was written; nothing is changed."""
 
 from __future__ import annotations
 
 import os
+import sqlite3
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from facecrf_ocio.archive.content import sha256_of
-from facecrf_ocio.archive.manifest import FILE, Manifest
+from facecrf_ocio.archive.reading import reading
 from facecrf_ocio.archive.walk import name_of
 from facecrf_ocio.errors import OutputError
 
 REPORT = "facecrf-report.html"
-MISSING, ALTERED, EXTRA = "missing", "altered", "extra"
+MISSING, ALTERED, EXTRA, UNREADABLE = "missing", "altered", "extra", "unreadable"
 
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """A file that is not as the manifest says: `missing`, `altered` or `extra`."""
+    """A file that is not as the manifest says: `missing`, `altered`, `unreadable` or `extra`."""
 
     name: str
     kind: str
@@ -30,27 +31,33 @@ def verify(folder: Path) -> Iterator[Fault]:
     Raises
     ------
     OutputError
-        If there is no manifest, or a file cannot be read.
+        If there is no manifest, or it cannot be read.
     """
-    if not (folder / FILE).is_file():
-        raise OutputError(f"{folder}: has no {FILE}; name the folder a batch was written to")
-    manifest = Manifest(folder)
+    with reading(folder) as base:
+        for output in base.execute("SELECT name, size, sha256 FROM outputs ORDER BY name"):
+            kind = _fault(folder, *output)
+            if kind:
+                yield Fault(output[0], kind)
+        yield from _extras(folder, base)
+
+
+def _fault(folder: Path, name: str, size: int, sha256: str) -> str:
+    path = folder / name
+    if not path.is_file():
+        return MISSING
+    if path.stat().st_size != size:
+        return ALTERED
     try:
-        for output in manifest.outputs():
-            path = folder / output.name
-            if not path.is_file():
-                yield Fault(output.name, MISSING)
-            elif path.stat().st_size != output.size or sha256_of(path) != output.sha256:
-                yield Fault(output.name, ALTERED)
-        yield from _extras(folder, manifest)
-    finally:
-        manifest.close()
+        return "" if sha256_of(path) == sha256 else ALTERED
+    except OutputError:
+        return UNREADABLE
 
 
-def _extras(folder: Path, manifest: Manifest) -> Iterator[Fault]:
+def _extras(folder: Path, base: sqlite3.Connection) -> Iterator[Fault]:
+    listed = "SELECT 1 FROM outputs WHERE name = ?"
     for place, _, names in os.walk(folder):
         for file in sorted(names):
             name = name_of(Path(place, file), folder)
             ours = name.startswith("facecrf-manifest.") or name == REPORT
-            if not ours and not manifest.has_output(name):
+            if not ours and base.execute(listed, (name,)).fetchone() is None:
                 yield Fault(name, EXTRA)

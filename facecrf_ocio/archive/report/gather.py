@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from facecrf_ocio.archive.manifest import DONE, FILE
+from facecrf_ocio.archive.manifest import DONE
+from facecrf_ocio.archive.reading import reading
 from facecrf_ocio.archive.task import FAILED
-from facecrf_ocio.errors import OutputError
 
 KINDS = ("reliable", "weak", "prior only", "no curve", "failed", "unfinished")
-
-_TELLS = "read it again, or run the batch that makes it"
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,32 +116,14 @@ def gather(folder: Path) -> Archive:
     OutputError
         If there is no manifest, or it cannot be read.
     """
-    path = folder / FILE
-    if not path.is_file():
-        raise OutputError(f"{folder}: has no {FILE}; name the folder a batch was written to")
-    try:
-        with closing(_open(path)) as base:
-            base.row_factory = sqlite3.Row
-            base.execute("BEGIN")
-            source = _source(base)
-            rows = tuple(_row(_Fields(record)) for record in _all(base, "photos", "name"))
-            groups = tuple(_group(_Fields(record)) for record in _all(base, "cameras", "key"))
-            brackets = tuple(_bracket(_Fields(record)) for record in _all(base, "brackets", "name"))
-    except sqlite3.Error as error:
-        raise OutputError(f"{path}: the manifest cannot be read: {error}; {_TELLS}") from error
+    with reading(folder) as base:
+        base.row_factory = sqlite3.Row
+        base.execute("BEGIN")
+        source = _source(base)
+        rows = tuple(_row(_Fields(record)) for record in _all(base, "photos", "name"))
+        groups = tuple(_group(_Fields(record)) for record in _all(base, "cameras", "key"))
+        brackets = tuple(_bracket(_Fields(record)) for record in _all(base, "brackets", "name"))
     return Archive(folder, source, rows, groups, brackets, _misfits(rows, groups))
-
-
-def _open(path: Path) -> sqlite3.Connection:
-    """Open for reading; on a medium that cannot be written, without the journal's files."""
-    name = path.absolute().as_uri()
-    base = sqlite3.connect(f"{name}?mode=ro", uri=True, isolation_level=None, timeout=30)
-    try:
-        base.execute("SELECT 1 FROM sqlite_master").fetchone()
-    except sqlite3.OperationalError:
-        base.close()
-        return sqlite3.connect(f"{name}?immutable=1", uri=True, isolation_level=None)
-    return base
 
 
 def _all(base: sqlite3.Connection, table: str, key: str) -> Iterator[sqlite3.Row]:
