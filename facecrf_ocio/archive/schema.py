@@ -2,10 +2,11 @@
 
 `photos`, one row a photo
     `name` (key: path relative to the source, slashes; bytes that are not UTF-8 escaped), `size`
-    [bytes], `mtime_ns`, `sha256` (of the photo, empty if unreadable), `recipe` (hash of settings,
-    version and formats), `state` (`started`: perhaps half written; `gathered`: its evidence is
-    there, its outputs wait for its camera's curve; `writing`: these are perhaps half written;
-    `done`), `outcome` (`values.Outcome`, or `failed`), `verdict` (`values.Verdict` or empty),
+    [bytes; -1 for what could not be looked at, which every run tries anew], `mtime_ns`, `sha256`
+    (of the photo, empty if unreadable), `recipe` (hash of settings, version and formats), `state`
+    (`started`: perhaps half written; `gathered`: its evidence is there, its outputs wait for its
+    camera's curve; `writing`: these are perhaps half written; `done`), `outcome`
+    (`values.Outcome`, or `failed`), `verdict` (`values.Verdict` or empty),
     `estimator`, `reason`, `remedy`, `make`, `model`, `serial`, `software` (as the file says),
     `read_s`, `estimate_s`, `write_s`; `fingerprint` (of size and ends of the file, by which
     duplicates are sought), `duplicate_of` (first photo, in the order of names, with the same bytes;
