@@ -22,8 +22,9 @@ from facecrf_ocio.joint import shipped_joint
 from facecrf_ocio.joint.messages import COMBINED
 from facecrf_ocio.joint.metadata import modern_leaning
 from facecrf_ocio.joint.statistics import CUES
+from facecrf_ocio.profile import KNOWN_PRIMARIES
 from facecrf_ocio.synthetic import SyntheticSpec, gamma_curve, photograph, render_face
-from facecrf_ocio.values import Camera
+from facecrf_ocio.values import Camera, Primaries
 
 
 @pytest.fixture(scope="module")
@@ -137,6 +138,16 @@ def test_what_the_file_says_of_its_camera_leans():
     assert modern_leaning(Camera()) == 0.0
     assert modern_leaning(Camera(make="NIKON", model="D90")) > 0.0
     assert modern_leaning(Camera(make="Noritsu Koki", model="QSS-31")) < 0.0
+
+
+@pytest.mark.parametrize(
+    ("name", "modern"),
+    [("Display P3", True), ("Rec.2020", True), ("Rec.709", False), ("Adobe RGB", False)],
+)
+def test_a_recent_profile_leans_as_a_named_camera_does(name, modern):
+    primaries = Primaries(name, *KNOWN_PRIMARIES[name], "ICC profile")
+    assert (modern_leaning(Camera(), primaries) > 0.0) is modern
+    assert modern_leaning(Camera(model="CoolScan V"), primaries) < 0.0
 
 
 def test_demands_are_met_or_refused(evidence):

@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from facecrf_ocio.joint.fuse import agreeing_shares, multiply, squared_distance
-from facecrf_ocio.joint.prior import FamilyPrior, Message
+from facecrf_ocio.joint.fuse import agreeing_shares, average, multiply, squared_distance
+from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior
 
 SIZE = 3
 PRIOR = FamilyPrior(
@@ -70,3 +70,37 @@ def test_one_message_alone_cannot_be_contradicted():
 def test_the_distance_counts_both_spreads():
     distance = squared_distance(message(2.0, 0.5), None, PRIOR, WEIGHTS)
     assert np.isclose(distance, SIZE * 4.0 / (4.0 + 2.0))
+
+
+def posterior(center, variance=1.0):
+    return Posterior(np.ones(1), np.full((1, SIZE), float(center)), variance * np.eye(SIZE)[None])
+
+
+def test_the_average_of_one_posterior_is_itself():
+    one = average([posterior(0.7, 2.0)], [5.0], 0.3)
+    assert np.allclose(one.mean, 0.7)
+    assert np.allclose(one.covariance, 2.0 * np.eye(SIZE))
+
+
+@given(st.integers(1, 20), st.floats(0.0, 1.0))
+def test_the_band_of_an_average_is_that_of_errors_alike_in_part(count, correlation):
+    """Of n errors with variance 1 and this correlation, the mean has 1/n of the sum of all."""
+    joined = average([posterior(0.0)] * count, [1.0] * count, correlation)
+    alike = np.full((count, count), correlation) + (1.0 - correlation) * np.eye(count)
+    assert np.allclose(joined.covariance, alike.mean() * np.eye(SIZE))
+
+
+@given(st.lists(st.tuples(NUMBERS, st.floats(0.01, 10.0)), min_size=2, max_size=6))
+def test_an_average_lies_among_its_posteriors_nearer_to_the_trusted(drawn):
+    centers, trust = zip(*drawn, strict=True)
+    mean = average([posterior(c) for c in centers], trust, 0.3).mean
+    assert min(centers) - 1e-9 <= mean[0] <= max(centers) + 1e-9
+    assert np.isclose(mean[0], np.average(centers, weights=trust))
+
+
+@given(st.integers(2, 20), st.floats(0.0, 0.99))
+def test_more_photos_never_widen_the_band(count, correlation):
+    def width(n):
+        return average([posterior(0.0)] * n, [1.0] * n, correlation).covariance[0, 0]
+
+    assert width(count) < width(count - 1)

@@ -12,7 +12,8 @@ from facecrf_ocio.joint.statistics import CUES
 from facecrf_ocio.synthetic import SyntheticSpec, render_face
 from facecrf_ocio.training.__main__ import _kept
 from facecrf_ocio.training.curves import NO_ROW, CurveSource, fold_of_rows, rows_outside
-from facecrf_ocio.training.simulate import Example, process, simulate
+from facecrf_ocio.training.simulate import Example, simulate
+from facecrf_ocio.training.variation import _demosaic, _even, process, vary
 
 GRID = np.linspace(0.0, 1.0, 1024)
 
@@ -75,6 +76,38 @@ def test_software_leaves_8_bit_codes():
         assert np.allclose(codes, np.rint(codes), atol=1e-3)
 
 
+def test_variation_keeps_light_in_its_range_():
+    generator = np.random.default_rng(0)
+    light = generator.random((40, 50, 3), np.float32)
+    for _ in range(60):
+        varied = vary(light, generator)
+        assert varied.shape == light.shape
+        assert varied.dtype == np.float32
+        assert 0.0 <= varied.min() <= varied.max() <= 1.0
+
+
+def test_a_mosaic_of_one_color_is_that_color_again():
+    color = np.broadcast_to(np.float32([0.6, 0.4, 0.2]), (32, 32, 3))
+    assert np.allclose(_demosaic(color), color, atol=1e-4)
+
+
+def test_even_skin_keeps_its_shading_and_loses_color_contrast():
+    generator = np.random.default_rng(0)
+    light = generator.uniform(0.2, 0.8, (80, 90, 3)).astype(np.float32)
+    even = _even(light, 0.3)
+    assert np.allclose(even.mean(axis=2), light.mean(axis=2), rtol=2e-3)
+    before, after = (p / p.mean(axis=2, keepdims=True) for p in (light, even))
+    assert after.std() == pytest.approx(0.3 * before.std(), rel=0.05)
+
+
+def test_a_demosaiced_photo_has_noise_that_its_neighbors_share():
+    noisy = np.random.default_rng(0).normal(0.5, 0.05, (200, 200, 3)).astype(np.float32)
+    full = _demosaic(np.clip(noisy, 0.0, 1.0))
+    for channel in range(3):
+        plane = full[..., channel] - full[..., channel].mean()
+        assert (plane[:, 1:] * plane[:, :-1]).mean() > 0.2 * (plane**2).mean()
+
+
 def test_a_held_out_fold_sees_none_of_its_rows(source):
     """A pure power is of no camera and always seen; neighbors to mix with share the fold."""
     nothing = np.zeros(1024, np.float32)
@@ -94,6 +127,25 @@ def test_a_maker_can_be_held_out(tmp_path):
     modern = [Example("", 1, row, False, nothing, {}) for row in range(3)]
     options = {"fold": None, "rows": 40, "modern": tmp_path / "modern.npz"}
     assert [e.row for e in _kept(modern, without=("A",), **options)] == [1]
+
+
+def test_a_maker_held_out_is_in_no_mixture_either(tmp_path):
+    np.savez(tmp_path / "modern.npz", maker=["A", "B", "A"])
+    nothing = np.zeros(1024, np.float32)
+    pairs = [(1, 0), (1, NO_ROW), (2, 1), (1, 1)]
+    mixed = [Example("", 1, a, False, nothing, {}, mixed_with=b) for a, b in pairs]
+    options = {"fold": None, "rows": 40, "modern": tmp_path / "modern.npz"}
+    kept = _kept(mixed, without=("A",), **options)
+    assert [(e.row, e.mixed_with) for e in kept] == [(1, NO_ROW), (1, 1)]
+
+
+def test_strangers_are_mixed_and_named(source):
+    generator = np.random.default_rng(5)
+    drawn = [source.draw(generator, measured=False) for _ in range(600)]
+    mixed = [d for d in drawn if d.family == 1 and d.mixed_with != NO_ROW]
+    strangers = [d for d in mixed if source.maker[d.row] != source.maker[d.mixed_with]]
+    assert 0.1 < len(strangers) / len(mixed) < 0.3
+    assert all(d.row >= 0 for d in drawn if d.mixed_with != NO_ROW)
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from facecrf_ocio.joint.evidence import COVERAGE_BINS, PhotoEvidence
-from facecrf_ocio.joint.fuse import agreeing_shares, multiply
+from facecrf_ocio.joint.fuse import agreeing_shares, average, multiply
 from facecrf_ocio.joint.messages import COMBINED, Networks, load_networks
 from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior, load_prior
 from facecrf_ocio.response.fixed import fixed_curve
@@ -31,7 +31,7 @@ from facecrf_ocio.values import (
 RELIABLE_SHARE = 0.95
 RELIABLE_ERROR = 0.045
 # Photos of one camera err alike in part (what a cue does not know of any photo): the correlation of
-# their errors.
+# their errors, by which bands of several photos cover as they say.
 PHOTO_CORRELATION = 0.5
 _DRAWS = 512
 _NAMES = {COMBINED: "the combination of all cues"}
@@ -93,8 +93,7 @@ def conclude(
     telling = [e for e in evidence if e.messages]
     leanings = [e.leaning for e in telling or evidence] or [0.0]
     weights = model.prior.weights_for(prior, float(np.mean(leanings)))
-    message, dissent = _pool(telling, model.prior, weights)
-    posterior = model.prior.posterior(message, weights)
+    posterior, dissent = _pool(telling, model.prior, weights)
     coefficients = posterior.mean
     curve = strictly_increasing([model.prior.samples(coefficients)] * len(CHANNELS))
     found = inverse_crf(model.prior.grid, curve)
@@ -133,8 +132,7 @@ def misfit(evidence: PhotoEvidence, estimate: Estimate, model: JointModel | None
     if not evidence.messages or estimate.coefficients is None:
         return 0.0
     weights = model.prior.weights_for("auto", evidence.leaning)
-    message, _ = _pool([evidence], model.prior, weights)
-    own = model.prior.posterior(message, weights)
+    own, _ = _pool([evidence], model.prior, weights)
     offset = own.mean - estimate.coefficients[0]
     distance = float(offset @ np.linalg.solve(own.covariance, offset))
     return float(np.sqrt(distance / offset.size))
@@ -142,8 +140,12 @@ def misfit(evidence: PhotoEvidence, estimate: Estimate, model: JointModel | None
 
 def _pool(
     telling: Sequence[PhotoEvidence], prior: FamilyPrior, weights: Float
-) -> tuple[Message | None, tuple[str, ...]]:
-    """All messages as one, and which cues or photos the others outvoted."""
+) -> tuple[Posterior, tuple[str, ...]]:
+    """What all photos leave of the prior, and which cues or photos the others outvoted.
+
+    Photos are averaged as posteriors and not multiplied as likelihoods: the networks were trained
+    for what one photo's messages leave of the prior, and several photos share what is wrong in it.
+    """
     of_photos: dict[str, Message] = {}
     outvoted = []
     for number, one in enumerate(telling):
@@ -152,12 +154,18 @@ def _pool(
         if joined is not None:
             of_photos[f"photo {number + 1}"] = joined
         outvoted += [_NAMES.get(cue, cue) for cue, share in shares.items() if share < 0.5]
+    if not of_photos:
+        return prior.posterior(None, weights), ()
     shares = agreeing_shares(of_photos, prior, weights)
     outvoted += [photo for photo, share in shares.items() if share < 0.5]
-    count = sum(shares.values())
-    independent = 1.0 / (1.0 + max(count - 1.0, 0.0) * PHOTO_CORRELATION)
-    pooled = multiply(list(of_photos.values()), [independent * shares[p] for p in of_photos])
-    return pooled, tuple(outvoted)
+    posteriors = [prior.posterior(message, weights) for message in of_photos.values()]
+    if len(posteriors) == 1:
+        return posteriors[0], tuple(outvoted)
+    trust = [
+        share / float((prior.deviations(posterior) ** 2).mean())
+        for share, posterior in zip(shares.values(), posteriors, strict=True)
+    ]
+    return average(posteriors, trust, PHOTO_CORRELATION), tuple(outvoted)
 
 
 def _confidence(

@@ -102,7 +102,7 @@ def gather(
     A photo without a face, or without color, gives evidence without messages that says why.
     """
     networks = networks or shipped_networks()
-    leaning = modern_leaning(photo.camera)
+    leaning = modern_leaning(photo.camera, photo.primaries)
     seen = observe(photo, settings or Settings())
     if isinstance(seen, Lacking):
         nothing = np.zeros((3, COVERAGE_BINS))
@@ -135,7 +135,7 @@ def observe(photo: Photo, settings: Settings) -> Observation | Lacking:
     of_face = face_statistics(view, settings, to_8_bits=finer)
     if of_face is None:
         return Lacking("the face shows too little skin of one hue", _LARGER)
-    by_cue = {**photo_statistics(photo.encoded, to_8_bits=finer), **of_face.by_cue}
+    by_cue = {**photo_statistics(photo.encoded), **of_face.by_cue}
     return Observation(Statistics(by_cue, of_face.encoded), face)
 
 

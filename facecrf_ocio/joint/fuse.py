@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from facecrf_ocio.joint.prior import FamilyPrior, Message
+from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior
 from facecrf_ocio.values import Float
 
 # Degrees of freedom of the t distribution that stands behind each Gaussian message.
@@ -21,6 +21,27 @@ def multiply(messages: Sequence[Message], shares: Sequence[float]) -> Message | 
     precision = np.sum([s * m.precision for s, m in zip(shares, messages, strict=True)], axis=0)
     pull = np.sum([s * m.precision * m.mean for s, m in zip(shares, messages, strict=True)], axis=0)
     return Message(pull / precision, precision)
+
+
+def average(
+    posteriors: Sequence[Posterior], trust: Sequence[float], correlation: float
+) -> Posterior:
+    """Weighted mean of estimates whose errors are alike in part, as one Gaussian.
+
+    Parameters
+    ----------
+    posteriors
+        One or more.
+    trust
+        Weight of each, in any unit.
+    correlation
+        Of the errors of any two: at 1 another photo tells nothing new, at 0 all of it is new.
+    """
+    shares = np.asarray(trust, dtype=np.float64) / np.sum(trust)
+    mean = shares @ np.array([p.mean for p in posteriors])
+    covariance = np.einsum("k,kmn->mn", shares, np.array([p.covariance for p in posteriors]))
+    left = correlation + (1.0 - correlation) * float(shares @ shares)
+    return Posterior(np.ones(1), mean[None], left * covariance[None])
 
 
 def agreeing_shares(

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from facecrf_ocio.values import Camera
+from facecrf_ocio.values import Camera, Primaries
 
 # Film scanners and their software digitize film, whose responses are DoRF's.
 _SCANNERS = ("scan", "coolscan", "nikon ls-", "noritsu", "frontier", "vuescan", "perfection")
 # Odds of e^2 to 1: most files that name a camera come from digital cameras made after DoRF (2003),
 # and some of those were edited or developed with other curves.
 _ODDS = 2.0
+# Profiles of phones and cameras of the last decade. Files of all ages have sRGB's and Adobe RGB's,
+# which tell nothing.
+_RECENT = ("Display P3", "Rec.2020")
 
 
-def modern_leaning(camera: Camera) -> float:
-    """Log odds for the family `modern`; 0 where the file does not name its camera.
+def modern_leaning(camera: Camera, primaries: Primaries | None = None) -> float:
+    """Log odds for the family `modern`; 0 where the file tells nothing of its camera.
 
     These odds are a judgment, not a measurement: no collection of files with known responses
     tells how often each family occurs.
@@ -20,4 +23,5 @@ def modern_leaning(camera: Camera) -> float:
     text = f"{camera.make} {camera.model} {camera.software}".lower()
     if any(word in text for word in _SCANNERS):
         return -_ODDS
-    return _ODDS if camera.make.strip() or camera.model.strip() else 0.0
+    recent = primaries is not None and primaries.name in _RECENT
+    return _ODDS if recent or camera.make.strip() or camera.model.strip() else 0.0

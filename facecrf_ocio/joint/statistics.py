@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from facecrf_ocio.cues.face import MIN_SKIN_PIXELS, FaceView
 from facecrf_ocio.face import regions
+from facecrf_ocio.joint.grain import measure_noise, noise_curve
 from facecrf_ocio.pixels import in_8_bits
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.skin.mask import find_skin
@@ -28,14 +29,11 @@ CUES = ("grain", "shading", "highlights", "pigments", "noise", "eyes")
 SHADING_BINS = 12
 PIGMENT_BINS = 4
 NOISE_BINS = 8
-GRAIN_BINS = 12
 HIGHLIGHT_QUANTILES = (0.9, 0.95, 0.98, 0.995)
 EYE_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 _DARKEST = 0.5 / 255.0
 _QUANTIZATION = 0.3 / 255.0
 _MIN_EYE_PIXELS = 20
-_MIN_GRAIN_PIXELS = 200
-_GRAIN_SIDE = 1024
 _SECOND_DIFFERENCE = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32) / 6.0
 
 
@@ -55,36 +53,13 @@ class Statistics:
     encoded: Float
 
 
-def photo_statistics(
-    encoded: npt.NDArray[np.float32], *, to_8_bits: bool = False
-) -> dict[str, Float]:
-    """Statistics of a whole photo (H, W, 3) that need no face: `grain`.
+def photo_statistics(encoded: npt.NDArray[np.float32]) -> dict[str, Float]:
+    """Statistics of a whole photo (H, W, 3), taken in 8 bits, that need no face: `grain`.
 
-    With `to_8_bits` they are those of the photo rounded to 8 bits.
+    Empty where every pixel is clipped.
     """
-    return {"grain": _grain(encoded, to_8_bits)}
-
-
-def _grain(encoded: npt.NDArray[np.float32], to_8_bits: bool) -> Float:
-    """Log deviation of the noise at each level of the code values, over the whole photo.
-
-    Photon noise grows with the root of linear light, so what it is in encoded values tells the
-    slope of the curve. Where a level is rare its number is that of the photo as a whole.
-    """
-    height, width = encoded.shape[:2]
-    rows = slice(max(0, height // 2 - _GRAIN_SIDE // 2), height // 2 + _GRAIN_SIDE // 2)
-    columns = slice(max(0, width // 2 - _GRAIN_SIDE // 2), width // 2 + _GRAIN_SIDE // 2)
-    green = np.ascontiguousarray(encoded[rows, columns, 1])
-    green = in_8_bits(green) if to_8_bits else green
-    level = np.minimum((cv2.blur(green, (3, 3)) * GRAIN_BINS).astype(np.intp), GRAIN_BINS - 1)
-    residue = np.abs(cv2.filter2D(green, -1, _SECOND_DIFFERENCE))
-    whole = float(np.log(np.quantile(residue, 0.3) + _QUANTIZATION))
-    numbers = []
-    for index in range(GRAIN_BINS):
-        part = residue[level == index]
-        rare = len(part) < _MIN_GRAIN_PIXELS
-        numbers.append(whole if rare else float(np.log(np.quantile(part, 0.3) + _QUANTIZATION)))
-    return np.array([whole, *(np.array(numbers) - whole)])
+    curve = noise_curve(measure_noise(encoded))
+    return {} if curve is None else {"grain": curve}
 
 
 def face_statistics(

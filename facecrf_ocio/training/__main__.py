@@ -13,7 +13,7 @@ import click
 import cv2
 import numpy as np
 
-from facecrf_ocio.training.curves import FOLDS, NO_ROW, read_curves, rows_outside
+from facecrf_ocio.training.curves import FOLDS, read_curves, rows_outside
 from facecrf_ocio.training.simulate import Example, simulate
 
 
@@ -87,15 +87,15 @@ def _kept(
 ) -> list[Example]:
     """The examples of responses that are not held out."""
     if fold is not None:
-        seen = rows_outside(fold, rows)
-        examples = [e for e in examples if e.family or e.row == NO_ROW or seen[e.row]]
+        left_out = set(np.flatnonzero(~rows_outside(fold, rows)))
+        examples = [e for e in examples if e.family or not left_out & {e.row, e.mixed_with}]
     if not without:
         return examples
     if modern is None:
         raise click.UsageError("--without needs --modern, the file that names the makers")
     with np.load(modern) as stored:
-        left_out = np.isin(stored["maker"], without)
-    return [e for e in examples if not e.family or not left_out[e.row]]
+        left_out = set(np.flatnonzero(np.isin(stored["maker"], without)))
+    return [e for e in examples if not e.family or not left_out & {e.row, e.mixed_with}]
 
 
 if __name__ == "__main__":

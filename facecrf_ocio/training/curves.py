@@ -17,6 +17,7 @@ _NEAREST = 12
 _POWERS = 0.15  # share of pure powers among the varied curves of DoRF's family
 _RARE = 0.25  # root mean square distance from the mean curve
 NO_ROW = -1
+_STRANGERS = 0.4  # share of mixed modern responses whose second is of any kind and maker
 _KINDS = {"camera_jpeg": 0.4, "webcam": 0.35, "phone_isp": 0.2, "raw_converter": 0.05}
 
 
@@ -32,11 +33,14 @@ class Draw:
         0 for DoRF, 1 for modern ones, as in `joint.prior.FAMILIES`.
     row
         Of the measured response, or of the first of two; `NO_ROW` for a curve of no camera.
+    mixed_with
+        Row of the second of two, else `NO_ROW`.
     """
 
     inverse: Float
     family: int
     row: int
+    mixed_with: int = NO_ROW
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,9 +78,9 @@ class CurveSource:
         """
         family = int(generator.random() < 0.5)
         if not measured and not family and generator.random() < _POWERS:
-            row, curve = NO_ROW, _power(generator)
+            row, mixed_with, curve = NO_ROW, NO_ROW, _power(generator)
         else:
-            row, curve = (self._modern if family else self._dorf)(generator, measured)
+            row, mixed_with, curve = (self._modern if family else self._dorf)(generator, measured)
         if not measured:
             spread = 0.08 if generator.random() < 0.8 else 0.3
             curve = curve ** np.exp(generator.normal(0.0, spread))
@@ -84,20 +88,20 @@ class CurveSource:
                 curve = _warped(curve, generator)
             if generator.random() < 0.5:
                 curve = _with_white(curve, 1.0 - abs(generator.normal(0.0, 0.08)))
-        return Draw(np.maximum.accumulate(np.clip(curve, 0.0, 1.0)), family, row)
+        return Draw(np.maximum.accumulate(np.clip(curve, 0.0, 1.0)), family, row, mixed_with)
 
-    def _dorf(self, generator: np.random.Generator, measured: bool) -> tuple[int, Float]:
+    def _dorf(self, generator: np.random.Generator, measured: bool) -> tuple[int, int, Float]:
         """A neighbor to mix with comes from the same fold: what is held out must not leak."""
         row = int(generator.choice(len(self.dorf), p=self._odds()))
         curve = self.dorf[row]
         if measured or generator.random() < 0.4:
-            return row, curve
+            return row, NO_ROW, curve
         fold_of = fold_of_rows(len(self.dorf))
         siblings = np.flatnonzero(fold_of == fold_of[row])
         order = np.argsort(((self.dorf[siblings] - curve) ** 2).sum(axis=1))
-        other = self.dorf[siblings[generator.choice(order[1:_NEAREST])]]
+        other = int(siblings[generator.choice(order[1:_NEAREST])])
         share = 0.6 * generator.random()
-        return row, (1.0 - share) * curve + share * other
+        return row, other, (1.0 - share) * curve + share * self.dorf[other]
 
     def _odds(self) -> Float:
         """Rare shapes are drawn up to three times as often: errors on them are the largest."""
@@ -105,16 +109,20 @@ class CurveSource:
         odds = 1.0 + 2.0 * np.minimum(distance / _RARE, 1.0)
         return np.asarray(odds / odds.sum())
 
-    def _modern(self, generator: np.random.Generator, measured: bool) -> tuple[int, Float]:
+    def _modern(self, generator: np.random.Generator, measured: bool) -> tuple[int, int, Float]:
         kind = str(generator.choice(list(_KINDS), p=list(_KINDS.values())))
         rows = np.flatnonzero([k == kind for k in self.kind])
         row = int(generator.choice(rows))
         curve = self.modern[row]
         if measured or generator.random() < 0.3:
-            return row, curve
+            return row, NO_ROW, curve
         share = generator.random()
-        siblings = [other for other in rows if self.maker[other] == self.maker[row]]
-        return row, (1.0 - share) * curve + share * self.modern[generator.choice(siblings)]
+        if generator.random() < _STRANGERS:
+            siblings = np.arange(len(self.modern))
+        else:
+            siblings = rows[[self.maker[other] == self.maker[row] for other in rows]]
+        other = int(generator.choice(siblings))
+        return row, other, (1.0 - share) * curve + share * self.modern[other]
 
 
 def read_curves(dorf: Path, modern: Path) -> CurveSource:

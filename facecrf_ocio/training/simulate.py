@@ -13,7 +13,6 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.benchmark.camera import FULL_WELL_ISO_100, READ_NOISE
 from facecrf_ocio.cues.face import FaceView, cut_face
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.face.detect import find_faces
@@ -22,7 +21,8 @@ from facecrf_ocio.read import read_photo
 from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import dorf_model
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.training.curves import CurveSource
+from facecrf_ocio.training.curves import NO_ROW, CurveSource
+from facecrf_ocio.training.variation import process, vary
 from facecrf_ocio.values import Float, Photo
 
 _LEVELS = 16384
@@ -49,6 +49,8 @@ class Example:
         (1024,) the truth.
     by_cue
         Statistics of each cue.
+    mixed_with
+        Row of a second measured response in it, else `NO_ROW`.
     """
 
     head: str
@@ -57,6 +59,7 @@ class Example:
     measured: bool
     inverse: npt.NDArray[np.float32]
     by_cue: dict[str, Float]
+    mixed_with: int = NO_ROW
 
 
 def simulate(path: Path, source: CurveSource, count: int, seed: int) -> Iterator[Example]:
@@ -87,16 +90,16 @@ def simulate(path: Path, source: CurveSource, count: int, seed: int) -> Iterator
         if not measured:
             size = int(generator.choice(len(_SIZE_ODDS), p=_SIZE_ODDS))
             stand = stands[min(size, len(stands) - 1)]
-        light = stand.linear if measured else _vary(stand.linear, generator)
+        light = stand.linear if measured else vary(stand.linear, generator)
         encoded = _encode(light, drawn.inverse)
         if not measured:
             encoded = process(encoded, generator)
-        by_cue = dict(photo_statistics(encoded))
+        by_cue = dict(photo_statistics(encoded if measured else _frame(encoded, stand, generator)))
         of_face = face_statistics(_look_again(stand, encoded), settings)
         if of_face is not None:
             by_cue.update(of_face.by_cue)
         curve = drawn.inverse.astype(np.float32)
-        yield Example(path.name, drawn.family, drawn.row, measured, curve, by_cue)
+        yield Example(path.name, drawn.family, drawn.row, measured, curve, by_cue, drawn.mixed_with)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -148,66 +151,6 @@ def _look_again(stand: _Stand, encoded: npt.NDArray[np.float32]) -> FaceView:
     return replace(view, encoded=scaled, native=native)
 
 
-def _vary(
-    linear: npt.NDArray[np.float32], generator: np.random.Generator
-) -> npt.NDArray[np.float32]:
-    """Another light, color matrix, exposure, white balance, noise and sharpness."""
-    light = linear
-    if generator.random() < 0.4:
-        light = _saturate(light, np.exp(generator.normal(0.0, 0.25)))
-    if generator.random() < 0.3:
-        light = light * _uneven_light(light.shape[:2], generator)
-    stops = generator.uniform(*((-0.9, 0.5) if generator.random() < 0.8 else (-3.5, 0.9)))
-    spread = 0.06 if generator.random() < 0.7 else 0.15
-    gains = 2.0**stops * np.exp(generator.normal(0.0, spread, 3))
-    light = light * gains.astype(np.float32)
-    if generator.random() < 0.25:
-        light = np.asarray(cv2.GaussianBlur(light, (0, 0), generator.uniform(0.5, 2.0)))
-    if generator.random() < 0.5:
-        full_well = FULL_WELL_ISO_100 / 2.0 ** generator.uniform(0.0, 5.0)
-        deviation = np.sqrt(light / full_well + (READ_NOISE / full_well) ** 2)
-        light = light + generator.standard_normal(light.shape, dtype=np.float32) * deviation
-    if generator.random() < 0.25:
-        light = np.asarray(cv2.GaussianBlur(light, (0, 0), generator.uniform(0.4, 1.0)))
-    return np.asarray(np.clip(light, 0.0, 1.0), dtype=np.float32)
-
-
-def _saturate(light: npt.NDArray[np.float32], factor: float) -> npt.NDArray[np.float32]:
-    """Other primaries, roughly: every color moved from, or toward, its gray."""
-    gray = light.mean(axis=2, keepdims=True)
-    return np.asarray(np.maximum(gray + factor * (light - gray), 0.0), dtype=np.float32)
-
-
-def _uneven_light(
-    shape: tuple[int, int], generator: np.random.Generator
-) -> npt.NDArray[np.float32]:
-    """A smooth field of light (H, W, 3), a little of it colored: a second, mixed illuminant."""
-    coarse = generator.normal(0.0, 0.25, (3, 3, 1)) + generator.normal(0.0, 0.05, (3, 3, 3))
-    field = cv2.resize(np.exp(coarse), shape[::-1], interpolation=cv2.INTER_CUBIC)
-    return np.asarray(field, dtype=np.float32)
-
-
-def process(
-    encoded: npt.NDArray[np.float32], generator: np.random.Generator
-) -> npt.NDArray[np.float32]:
-    """What software may do to encoded values before a photo is stored; often nothing."""
-    if generator.random() < 0.3:
-        codes = np.rint(encoded * 255.0).astype(np.uint8)
-        strength = generator.uniform(0.3, 1.2)
-        kind = int(generator.integers(4))
-        if kind == 0:
-            codes = cv2.bilateralFilter(codes, 5, 25.0 * strength, 2.0)
-        elif kind == 1:
-            codes = cv2.medianBlur(codes, 3)
-        else:
-            soft = cv2.GaussianBlur(codes, (0, 0), strength)
-            codes = soft if kind == 2 else cv2.addWeighted(codes, 1 + strength, soft, -strength, 0)
-        encoded = codes.astype(np.float32) / np.float32(255.0)
-    if generator.random() < 0.3:
-        encoded = _compress(encoded, int(generator.integers(70, 98)))
-    return encoded
-
-
 def _encode(linear: npt.NDArray[np.float32], inverse: Float) -> npt.NDArray[np.float32]:
     """To 8-bit codes, by a table over the root of light, which resolves the shadows."""
     grid = np.linspace(0.0, 1.0, inverse.size)
@@ -217,8 +160,14 @@ def _encode(linear: npt.NDArray[np.float32], inverse: Float) -> npt.NDArray[np.f
     return np.asarray(table[index] / 255.0, dtype=np.float32)
 
 
-def _compress(encoded: npt.NDArray[np.float32], quality: int) -> npt.NDArray[np.float32]:
-    codes = np.rint(encoded * 255.0).astype(np.uint8)
-    _, content = cv2.imencode(".jpg", codes[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])
-    decoded = np.asarray(cv2.imdecode(content, cv2.IMREAD_COLOR), dtype=np.float32)
-    return decoded[..., ::-1] / np.float32(255.0)
+def _frame(
+    encoded: npt.NDArray[np.float32], stand: _Stand, generator: np.random.Generator
+) -> npt.NDArray[np.float32]:
+    """The photo framed more or less closely around its face: other surroundings, other levels."""
+    if generator.random() < 0.5:
+        return encoded
+    (left, top), (tall, wide) = stand.corner, stand.view.native.shape[:2]
+    height, width = encoded.shape[:2]
+    rows = slice(generator.integers(top + 1), generator.integers(top + tall, height + 1))
+    columns = slice(generator.integers(left + 1), generator.integers(left + wide, width + 1))
+    return encoded[rows, columns]
