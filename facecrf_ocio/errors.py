@@ -48,3 +48,8 @@ class NotCalibratedError(FaceCRFError):
 
 class ClusterError(FaceCRFError):
     """A cluster cannot be reached, is not set up for the work, or was lost."""
+
+
+def reason_of(error: OSError) -> str:
+    """What the system says went wrong, as it stands in the middle of a line."""
+    return (error.strerror or str(error)).lower()

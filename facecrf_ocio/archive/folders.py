@@ -6,7 +6,7 @@ import os
 from contextlib import suppress
 from pathlib import Path
 
-from facecrf_ocio.errors import OutputError
+from facecrf_ocio.errors import OutputError, reason_of
 
 
 def make_folder(folder: Path) -> None:
@@ -27,7 +27,7 @@ def make_folder(folder: Path) -> None:
             new.mkdir(exist_ok=True)  # another worker may have been faster
             _flush(new.parent)
         except OSError as error:
-            problem = (error.strerror or str(error)).lower()
+            problem = reason_of(error)
             raise OutputError(
                 f"{new}: the folder cannot be made: {problem}; choose another folder"
             ) from error

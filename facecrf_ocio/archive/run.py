@@ -29,7 +29,7 @@ from facecrf_ocio.archive.pool import Limits, Pool
 from facecrf_ocio.archive.status import status_of
 from facecrf_ocio.archive.task import FAILED, GATHER, WHOLE, Recipe, Result, Task
 from facecrf_ocio.archive.walk import name_of
-from facecrf_ocio.errors import OutputError, PhotoError
+from facecrf_ocio.errors import OutputError, PhotoError, reason_of
 
 if TYPE_CHECKING:
     from facecrf_ocio.archive.scheduler import Cluster, ClusterPool
@@ -368,7 +368,7 @@ def _alone(folder: Path) -> Iterator[None]:
     try:
         file = (folder / LOCK).open("a")
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         problem = f"{folder}: cannot be written: {reason}; choose a folder you may write to"
         raise OutputError(problem) from error
     with file as lock:

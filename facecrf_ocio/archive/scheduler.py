@@ -25,7 +25,7 @@ from facecrf_ocio.archive.parcel import Delivery, Parcel, unpack
 from facecrf_ocio.archive.pool import Limits, Pool
 from facecrf_ocio.archive.task import FAILED, Result, Task
 from facecrf_ocio.archive.versions import difference, versions
-from facecrf_ocio.errors import ClusterError, OutputError, SettingsError
+from facecrf_ocio.errors import ClusterError, OutputError, SettingsError, reason_of
 from facecrf_ocio.export.atomic import Draft, write_files
 
 if TYPE_CHECKING:
@@ -259,7 +259,7 @@ class ClusterPool:
         try:
             self._mark.touch(exist_ok=False)
         except OSError as error:
-            problem = (error.strerror or str(error)).lower()
+            problem = reason_of(error)
             raise OutputError(
                 f"{self._mark}: cannot be written: {problem}; choose another folder"
             ) from error

@@ -6,7 +6,7 @@ import os
 import stat
 from pathlib import Path
 
-from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.errors import PhotoError, reason_of
 
 _LEAVE_OUT = "allow reading it, or leave it out with --exclude"
 
@@ -28,7 +28,7 @@ def status_of(path: Path) -> os.stat_result:
         try:
             os.scandir(path).close()
         except OSError as error:
-            problem = f"is a folder that cannot be read: {_reason(error)}"
+            problem = f"is a folder that cannot be read: {reason_of(error)}"
             raise PhotoError(path, problem, _LEAVE_OUT) from error
         raise PhotoError(path, "is a folder", "name the photos in it")
     return status
@@ -41,8 +41,4 @@ def _told(path: Path, error: OSError) -> PhotoError:
         )
     if isinstance(error, FileNotFoundError):
         return PhotoError(path, "is not there", "correct its name, or start again")
-    return PhotoError(path, f"cannot be looked at: {_reason(error)}", _LEAVE_OUT)
-
-
-def _reason(error: OSError) -> str:
-    return (error.strerror or str(error)).lower()
+    return PhotoError(path, f"cannot be looked at: {reason_of(error)}", _LEAVE_OUT)

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.errors import PhotoError, reason_of
 
 SUFFIXES = (
     *(".jpg", ".jpeg", ".jpe", ".jp2", ".png", ".tif", ".tiff", ".webp", ".bmp", ".gif", ".heic"),
@@ -62,7 +62,7 @@ def _places(unread: list[OSError], root: Path) -> Iterator[Path]:
         error = unread.pop()
         place = Path(error.filename)
         if place == root:
-            problem = f"cannot be read: {(error.strerror or str(error)).lower()}"
+            problem = f"cannot be read: {reason_of(error)}"
             raise PhotoError(root, problem, "mount it, or allow reading it, and start again")
         yield place
 

@@ -17,7 +17,7 @@ from facecrf_ocio.benchmark.store import Store
 from facecrf_ocio.benchmark.tables import Row, markdown, summarize
 from facecrf_ocio.benchmark.workbench import Asked, Result, Subject, measure
 from facecrf_ocio.benchmark.written import write_tables
-from facecrf_ocio.errors import FaceCRFError, PhotoError
+from facecrf_ocio.errors import FaceCRFError, PhotoError, reason_of
 from facecrf_ocio.export.versions import versions
 from facecrf_ocio.pair.calibrate_pair import calibrate_pair
 from facecrf_ocio.raw import RAW_SUFFIXES
@@ -168,7 +168,7 @@ def _digest_of(path: Path) -> str:
     try:
         return hashlib.sha256(path.read_bytes()).hexdigest()
     except OSError as error:
-        problem = (error.strerror or str(error)).lower()
+        problem = reason_of(error)
         raise PhotoError(path, problem, "name a file that can be read") from error
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.errors import PhotoError, reason_of
 from facecrf_ocio.response.dorf import GRID_SIZE, read_dorf_inverse
 from facecrf_ocio.values import CHANNELS, Float, Index, frozen
 
@@ -74,7 +74,7 @@ def read_responses(path: Path) -> Responses:
     try:
         content = path.read_bytes()
     except OSError as error:
-        problem = (error.strerror or str(error)).lower()
+        problem = reason_of(error)
         raise PhotoError(path, problem, "give a DoRF .mat file or an .npz of curves") from error
     sha256 = hashlib.sha256(content).hexdigest()
     if path.suffix.lower() == ".mat":

@@ -9,7 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from facecrf_ocio.errors import OutputError
+from facecrf_ocio.errors import OutputError, reason_of
 
 T = TypeVar("T")
 
@@ -76,7 +76,7 @@ def _load(path: Path, kind: type[T]) -> dict[str, T]:
 
 
 def _refused(path: Path, error: OSError) -> OutputError:
-    problem = (error.strerror or str(error)).lower()
+    problem = reason_of(error)
     return OutputError(f"{path}: cannot be written: {problem}; choose another folder with -o")
 
 

@@ -9,7 +9,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from facecrf_ocio.errors import OutputError
+from facecrf_ocio.errors import OutputError, reason_of
 
 _REMEDIES = {
     errno.ENOSPC: "free some space or write to another disk",
@@ -177,6 +177,6 @@ def _naming(target: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        problem = (error.strerror or str(error)).lower()
+        problem = reason_of(error)
         remedy = _REMEDIES.get(error.errno or 0, "choose another folder")
         raise OutputError(f"{target}: cannot be written: {problem}; {remedy}") from error

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from facecrf_ocio import __version__
-from facecrf_ocio.errors import LutError, OutputError
+from facecrf_ocio.errors import LutError, OutputError, reason_of
 from facecrf_ocio.export.atomic import Draft, require_free, write_files
 from facecrf_ocio.export.lut import lut_draft, split_ending
 from facecrf_ocio.export.recipe import Recipe
@@ -153,7 +153,7 @@ def _make_folder(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        problem = (error.strerror or str(error)).lower()
+        problem = reason_of(error)
         raise OutputError(
             f"{folder}: the folder cannot be made: {problem}; choose another folder"
         ) from error

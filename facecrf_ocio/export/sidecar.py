@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from facecrf_ocio.errors import FaceCRFError, LutError
+from facecrf_ocio.errors import FaceCRFError, LutError, reason_of
 from facecrf_ocio.export import strict_json
 from facecrf_ocio.export.atomic import Draft, write_files
 from facecrf_ocio.export.sampled import codes_record, one_for_all, read_codes, read_rows, thinned
@@ -172,9 +172,7 @@ def _read(path: Path, parse: Callable[[Any], _T]) -> _T:
         _require_schema(record, path)
         return parse(record)
     except OSError as error:
-        raise LutError(
-            f"{path}: cannot be read: {(error.strerror or str(error)).lower()}"
-        ) from error
+        raise LutError(f"{path}: cannot be read: {reason_of(error)}") from error
     except LutError:
         raise
     except (FaceCRFError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:

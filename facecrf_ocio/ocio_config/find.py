@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from facecrf_ocio.errors import LutError
+from facecrf_ocio.errors import LutError, reason_of
 from facecrf_ocio.export.lut import split_ending
 from facecrf_ocio.export.sidecar import SUFFIX, Source, read_source
 from facecrf_ocio.lut_file import lut_processor
@@ -58,7 +58,7 @@ def find_luts(paths: Sequence[Path]) -> tuple[PhotoLut, ...]:
     try:
         found = _found(tuple(map(Path, paths)))
     except OSError as error:
-        problem = (error.strerror or str(error)).lower()
+        problem = reason_of(error)
         raise LutError(f"{error.filename}: cannot be read: {problem}; check the folder") from error
     homes = [lut.resolve().parent for lut in found]
     shared = Path(os.path.commonpath(homes))

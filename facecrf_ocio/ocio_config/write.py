@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import PyOpenColorIO as ocio  # noqa: N813
 
-from facecrf_ocio.errors import LutError, OutputError, SettingsError
+from facecrf_ocio.errors import LutError, OutputError, SettingsError, reason_of
 from facecrf_ocio.export.atomic import Draft, require_free, write_files
 from facecrf_ocio.export.working_space import (
     WORKING_SPACES,
@@ -289,7 +289,7 @@ def _write(
         drafts += [Draft(luts / name, data, _accept) for name, data in files.items()]
         return write_files(drafts, overwrite=overwrite)
     except OSError as error:
-        problem = (error.strerror or str(error)).lower()
+        problem = reason_of(error)
         raise OutputError(f"{luts}: cannot be written: {problem}; choose another folder") from error
     finally:
         if created:
