@@ -49,7 +49,7 @@ def from_twin(
             return task, Result("", sha256=own, camera=camera, shot=told, gathered=gathered)
         if state != DONE:
             continue
-        if not list(manifest.outputs(name)):
+        if not manifest.outputs(name):
             return task, Result(outcome, verdict, estimator, reason, remedy, own, camera)
         estimate = _estimate_of(manifest, task.folder, name)
         if estimate is not None:

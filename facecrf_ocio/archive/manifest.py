@@ -196,11 +196,8 @@ class Manifest:
         )
         return tuple(row[0] for row in rows)
 
-    def outputs(self, photo: str | None = None) -> Iterable[Output]:
-        """Return the outputs of a photo, or stream those of all in the order of their names."""
-        if photo is None:
-            rows = self._base.execute("SELECT name, size, sha256 FROM outputs ORDER BY name")
-            return (Output(*row) for row in rows)
+    def outputs(self, photo: str) -> list[Output]:
+        """Return the outputs of a photo."""
         found = self._base.execute(
             "SELECT name, size, sha256 FROM outputs WHERE photo = ?", (photo,)
         )

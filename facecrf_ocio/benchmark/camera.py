@@ -74,7 +74,7 @@ def take_photo(
     top = 2**encoding.bits - 1
     codes = np.rint(encoded * top)
     if encoding.jpeg is not None:
-        codes = _through_jpeg(codes.astype(np.uint8), encoding.jpeg)
+        codes = through_jpeg(codes.astype(np.uint8), encoding.jpeg)
     stored = np.asarray(codes / top, dtype=np.float32)
     return Photo(stored, encoding.bits, grayscale=is_gray(stored), primaries=primaries)
 
@@ -94,7 +94,8 @@ def _add_noise(exposed: Float, iso: float, generator: np.random.Generator) -> Fl
     return np.clip(electrons / full_well, 0.0, 1.0)
 
 
-def _through_jpeg(codes: npt.NDArray[np.uint8], quality: int) -> Float:
+def through_jpeg(codes: npt.NDArray[np.uint8], quality: int) -> Float:
+    """(H, W, 3) code values as they come back from a JPEG file, 0 to 255."""
     written, content = cv2.imencode(".jpg", codes[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])
     if not written:
         raise SettingsError(f"an image of shape {codes.shape} cannot be stored as a JPEG")

@@ -159,8 +159,6 @@ def _pool(
     shares = agreeing_shares(of_photos, prior, weights)
     outvoted += [photo for photo, share in shares.items() if share < 0.5]
     posteriors = [prior.posterior(message, weights) for message in of_photos.values()]
-    if len(posteriors) == 1:
-        return posteriors[0], tuple(outvoted)
     trust = [
         share / float((prior.deviations(posterior) ** 2).mean())
         for share, posterior in zip(shares.values(), posteriors, strict=True)

@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from facecrf_ocio.cues.face import MIN_SKIN_PIXELS, FaceView
 from facecrf_ocio.face import regions
-from facecrf_ocio.joint.grain import measure_noise, noise_curve
+from facecrf_ocio.joint.grain import SECOND_DIFFERENCE, measure_noise, noise_curve
 from facecrf_ocio.pixels import in_8_bits
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.skin.mask import find_skin
@@ -34,7 +34,6 @@ EYE_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 _DARKEST = 0.5 / 255.0
 _QUANTIZATION = 0.3 / 255.0
 _MIN_EYE_PIXELS = 20
-_SECOND_DIFFERENCE = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32) / 6.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -147,7 +146,7 @@ def _noise(
     if int(chosen.sum()) < MIN_SKIN_PIXELS:
         return None
     level = cv2.blur(green, (3, 3))[chosen]
-    residue = cv2.filter2D(green, -1, _SECOND_DIFFERENCE)[chosen]
+    residue = cv2.filter2D(green, -1, SECOND_DIFFERENCE / 6.0)[chosen]
     np.abs(residue, out=residue)
     del green, inside, chosen  # of a large face they are a tenth of what a worker may take
     order = np.argsort(level, kind="stable")

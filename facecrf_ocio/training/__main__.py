@@ -12,6 +12,7 @@ from typing import Any
 import click
 import cv2
 import numpy as np
+import numpy.typing as npt
 
 from facecrf_ocio.training.curves import FOLDS, read_curves, rows_outside
 from facecrf_ocio.training.simulate import Example, simulate
@@ -87,15 +88,19 @@ def _kept(
 ) -> list[Example]:
     """The examples of responses that are not held out."""
     if fold is not None:
-        left_out = set(np.flatnonzero(~rows_outside(fold, rows)))
-        examples = [e for e in examples if e.family or not left_out & {e.row, e.mixed_with}]
+        examples = _leave_out(examples, 0, ~rows_outside(fold, rows))
     if not without:
         return examples
     if modern is None:
         raise click.UsageError("--without needs --modern, the file that names the makers")
     with np.load(modern) as stored:
-        left_out = set(np.flatnonzero(np.isin(stored["maker"], without)))
-    return [e for e in examples if not e.family or not left_out & {e.row, e.mixed_with}]
+        return _leave_out(examples, 1, np.isin(stored["maker"], without))
+
+
+def _leave_out(examples: list[Example], family: int, rows: npt.NDArray[np.bool_]) -> list[Example]:
+    """All but the examples that hold one of these responses of a family, alone or mixed."""
+    held_out = set(np.flatnonzero(rows))
+    return [e for e in examples if e.family != family or not held_out & {e.row, e.mixed_with}]
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.benchmark.camera import FULL_WELL_ISO_100, READ_NOISE
+from facecrf_ocio.benchmark.camera import FULL_WELL_ISO_100, READ_NOISE, through_jpeg
 
 _WHITE = 65535
 
@@ -137,7 +137,5 @@ def process(
 
 
 def _compress(encoded: npt.NDArray[np.float32], quality: int) -> npt.NDArray[np.float32]:
-    codes = np.rint(encoded * 255.0).astype(np.uint8)
-    _, content = cv2.imencode(".jpg", codes[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])
-    decoded = np.asarray(cv2.imdecode(content, cv2.IMREAD_COLOR), dtype=np.float32)
-    return decoded[..., ::-1] / np.float32(255.0)
+    codes = through_jpeg(np.rint(encoded * 255.0).astype(np.uint8), quality)
+    return codes.astype(np.float32) / np.float32(255.0)
