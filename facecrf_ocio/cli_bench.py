@@ -89,21 +89,29 @@ def bench() -> None:
     metavar="NAME=VALUE",
     help="Change one of the estimators' settings; may be repeated.",
 )
+@click.option(
+    "--groups",
+    type=(_PATH, str),
+    metavar="FILE COLUMN",
+    help="Group the images by a column of a tab-separated table of their names.",
+)
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
 @ending_well
-def synthetic(output: Path, jobs: int, **choices: Any) -> int:
+def synthetic(output: Path, jobs: int, groups: tuple[Path, str] | None, **choices: Any) -> int:
     """Encode linear images with known responses and recover them (Table 1 of the paper).
 
     Interrupted and started again with the same options and output, it goes on where it was.
     """
+    from facecrf_ocio.benchmark.groups import image_groups
     from facecrf_ocio.benchmark.synthetic import run_synthetic
 
     plan = _plan(**choices)
+    group_of = image_groups(*groups) if groups else {}
     require_writable(output)
     try:
         with _progress() as progress:
-            table = run_synthetic(plan, output, jobs=jobs, progress=progress)
+            table = run_synthetic(plan, output, jobs=jobs, progress=progress, groups=group_of)
     except KeyboardInterrupt:
         return complain("interrupted; the same command goes on where it was", FAILED)
     click.echo(f"{table.text}\n{table.timing}")

@@ -73,13 +73,13 @@ class TestResponses:
         found = read_responses(tmp_path / "a.npz").inverse[0, 0]
         np.testing.assert_allclose(found, GRID**2, atol=1e-7)
 
-    def test_names_and_makers_come_along(self, tmp_path):
-        np.savez(
-            tmp_path / "a.npz", inverse=[GRID, GRID**2], names=["x", "y"], maker=["Nikon", "Pentax"]
-        )
+    def test_names_makers_and_kinds_come_along(self, tmp_path):
+        told = {"names": ["x", "y"], "maker": ["Nikon", "Pentax"], "kind": ["scan", "webcam"]}
+        np.savez(tmp_path / "a.npz", inverse=[GRID, GRID**2], **told)
         found = read_responses(tmp_path / "a.npz")
         assert found.names == ("x", "y")
         assert found.families == ("Nikon", "Pentax")
+        assert [found.kind(row) for row in (0, 1)] == ["scan", "webcam"]
 
     @pytest.mark.parametrize(
         "curve", [1 - GRID, 0.9 * GRID, GRID + 0.1, np.where(GRID > 0.5, np.nan, GRID)]

@@ -102,7 +102,7 @@ def test_held_out_is_printed_first_and_every_estimator_has_a_row(whole):
     text = result.stdout
     assert text.index("Held-out protocol") < text.index("Paper protocol")
     for name in ("face", "mean", "srgb", "gamma22", "identity"):
-        assert text.count(f"| {name} ") == 3  # two tables and the times
+        assert text.count(f"| {name} ") == 5  # two tables, their percentiles, and the times
 
 
 @pytest.mark.slow
@@ -245,8 +245,8 @@ def test_keys_change_with_whatever_a_result_depends_on(plan):
 
 
 def test_the_store_forgets_only_what_is_damaged(tmp_path):
-    result = Result("paper", "mean", "a.exr", 0, "row 0", "", None, "fallback", True, "", 0.1, 0.1,
-                    0.1, 1 / 3, 0.1, None, 0.9, 0.01)  # fmt: skip
+    result = Result("paper", "mean", "a.exr", 0, "row 0", "", "", None, "fallback", "", True, "",
+                    0.1, 0.1, 0.1, 0.1, 1 / 3, None, 0.9, 0.01)  # fmt: skip
     path = tmp_path / "new" / "cases.jsonl"
     store = Store(path, Result)
     store.append({"a": result, "b": result})
@@ -266,6 +266,7 @@ def test_the_store_forgets_only_what_is_damaged(tmp_path):
         (("--set", "wrong=1"), 2, "no setting 'wrong'"),
         (("--set", "face_width=wide"), 2, "'wide' is no value of face_width"),
         (("--curves", "missing.npz"), 3, "missing.npz: no such file"),
+        (("--groups", "missing.tsv", "tone"), 3, "missing.tsv: no such file"),
         (("--faces", "missing"), 3, "missing: holds no images"),
     ],
 )

@@ -28,8 +28,8 @@ class Responses:
         (C, 3, 1024) linear light at uniform encoded values from 0 to 1; never decreasing.
     names
         C names, as the file has them or `row 0`, `row 1` ...
-    families
-        C names of makers, or None where the file does not tell.
+    families, kinds
+        C names of makers, and of kinds of camera, or None where the file does not tell.
     path, sha256
         The file and the digest of its bytes.
     """
@@ -39,6 +39,7 @@ class Responses:
     families: tuple[str, ...] | None
     path: Path
     sha256: str
+    kinds: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "inverse", frozen(self.inverse))
@@ -46,6 +47,10 @@ class Responses:
     def family(self, row: int) -> str:
         """Name of a response's maker, empty where the file does not tell."""
         return "" if self.families is None else self.families[row]
+
+    def kind(self, row: int) -> str:
+        """A response's kind of camera, empty where the file does not tell."""
+        return "" if self.kinds is None else self.kinds[row]
 
     def training_curves(self, rows: Index) -> Float:
         """Curves (N, 1024) of some responses to fit a model to; equal channels count once."""
@@ -63,8 +68,8 @@ def read_responses(path: Path) -> Responses:
     ----------
     path
         DoRF's .mat file, or an .npz with inverse curves (C, K) or (C, 3, K) at uniform encoded
-        values in `inverse` or in its only array of such a shape; optionally `names` (C,), and
-        makers (C,) in `maker`, `family` or `brand`.
+        values in `inverse` or in its only array of such a shape; optionally `names` (C,), makers
+        (C,) in `maker`, `family` or `brand`, and `kind` (C,) of camera.
 
     Raises
     ------
@@ -89,7 +94,8 @@ def read_responses(path: Path) -> Responses:
         ) from error
     curves = _checked(path, _curves(path, arrays))
     names = _texts(arrays, ("names", "name"), len(curves)) or _row_names(len(curves))
-    return Responses(curves, names, _texts(arrays, _FAMILY_KEYS, len(curves)), path, sha256)
+    makers, kinds = (_texts(arrays, keys, len(curves)) for keys in (_FAMILY_KEYS, ("kind",)))
+    return Responses(curves, names, makers, path, sha256, kinds)
 
 
 def spread_rows(count: int, every: int = 1, limit: int | None = None) -> tuple[int, ...]:

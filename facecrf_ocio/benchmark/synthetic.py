@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from facecrf_ocio.benchmark.cases import Plan
 from facecrf_ocio.benchmark.folds import fit_held_out
+from facecrf_ocio.benchmark.groups import groups_markdown, percentiles_markdown
 from facecrf_ocio.benchmark.pool import measure_tasks
 from facecrf_ocio.benchmark.store import Store
 from facecrf_ocio.benchmark.tables import Row, markdown, summarize, timing_markdown
@@ -15,6 +16,7 @@ from facecrf_ocio.benchmark.workbench import Result
 from facecrf_ocio.benchmark.written import write_tables
 
 Progress = Callable[[int, int], None]
+_UNGROUPED: Mapping[str, str] = {}
 
 
 def _silent(done: int, total: int) -> None:
@@ -45,7 +47,12 @@ class SyntheticTable:
 
 
 def run_synthetic(
-    plan: Plan, output: Path, *, jobs: int = 1, progress: Progress = _silent
+    plan: Plan,
+    output: Path,
+    *,
+    jobs: int = 1,
+    progress: Progress = _silent,
+    groups: Mapping[str, str] = _UNGROUPED,
 ) -> SyntheticTable:
     """Measure what is not measured yet, and write the tables.
 
@@ -61,6 +68,8 @@ def run_synthetic(
         Number of processes. A script that calls this needs Python's `if __name__ == "__main__":`.
     progress
         Called with the number of finished cases and of all.
+    groups
+        Group of each image by its name, for a table of their errors.
 
     Raises
     ------
@@ -79,7 +88,8 @@ def run_synthetic(
         store.append({keys[case]: r for case, r in zip(task.cases, results, strict=True)})
         done += len(results)
         progress(done, len(keys))
-    return _write_tables(plan, tuple(store.results[key] for key in keys.values()), output)
+    results = tuple(store.results[key] for key in keys.values())
+    return _write_tables(plan, results, output, groups)
 
 
 def _check_folds(plan: Plan) -> None:
@@ -91,8 +101,17 @@ def _check_folds(plan: Plan) -> None:
         fit_held_out(plan.responses, fold_of, fold)
 
 
-def _write_tables(plan: Plan, results: tuple[Result, ...], output: Path) -> SyntheticTable:
-    rows = summarize(results)
-    text, timing = markdown(rows), timing_markdown(results)
+def _write_tables(
+    plan: Plan, results: tuple[Result, ...], output: Path, groups: Mapping[str, str]
+) -> SyntheticTable:
+    rows, timing = summarize(results), timing_markdown(results)
+    tables = (
+        markdown(rows),
+        percentiles_markdown(results),
+        groups_markdown(results, "kind of camera", lambda result: result.kind),
+        groups_markdown(results, "maker", lambda result: result.family),
+        groups_markdown(results, "portraits", lambda r: groups.get(Path(r.image).name, "")),
+    )
+    text = "\n".join(table for table in tables if table)
     files = write_tables(output, text, plan.description(), rows, results)
     return SyntheticTable(rows, results, text, timing, files)

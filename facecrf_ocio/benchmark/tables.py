@@ -11,7 +11,9 @@ import numpy as np
 
 from facecrf_ocio.benchmark.cases import HELD_OUT, PAPER
 from facecrf_ocio.benchmark.workbench import Result
+from facecrf_ocio.values import Verdict
 
+_Photos = Mapping[tuple[str, str, int], float]
 _TITLES = {
     HELD_OUT: "Held-out protocol: the prior never saw the tested curve nor its fold",
     PAPER: "Paper protocol: the shipped prior, which has seen all DoRF curves",
@@ -22,10 +24,12 @@ min to std: RMSE of g x 100 on 1,024 uniform encoded values, mean of the channel
 estimator refused (or failed on) is scored as the prior's mean curve; `answered` counts only the
 others. scaled: the same after one free scale. stops: median error over the photo's unclipped
 pixels after one free scale of exposure. < mean: share of photos on which the RMSE is below that of
-the mean curve. band: share of codes with |error| < 1.645 sigma, 90 % if sigma is honest."""
+the mean curve. band: share of codes with |error| < 1.645 sigma, 90 % if sigma is honest. reliable:
+share of photos whose estimate has that verdict, and on how many of these the RMSE is below that of
+sRGB decoding."""
 _HEADINGS = (
     "estimator min median mean max std|scaled median|stops median|< mean %|refused %|failed %|"
-    "answered median|answered mean|band %"
+    "answered median|answered mean|band %|reliable %|these < sRGB %"
 )
 
 
@@ -49,6 +53,9 @@ class Row:
         RMSE of the other photos alone; None if there are none.
     band_coverage
         Mean share of codes within the 90 % band.
+    reliable, reliable_better_than_srgb
+        Share of photos with the verdict `reliable`, and share of these whose RMSE is below that of
+        sRGB decoding; None if there are none.
     """
 
     protocol: str
@@ -67,6 +74,8 @@ class Row:
     answered_median: float | None
     answered_mean: float | None
     band_coverage: float | None
+    reliable: float
+    reliable_better_than_srgb: float | None
 
 
 def summarize(results: Sequence[Result]) -> tuple[Row, ...]:
@@ -74,14 +83,19 @@ def summarize(results: Sequence[Result]) -> tuple[Row, ...]:
     groups: dict[tuple[str, str], list[Result]] = {}
     for result in results:
         groups.setdefault((result.protocol, result.estimator), []).append(result)
-    blind = {(r.protocol, r.image, r.row): r.rmse for r in results if r.estimator == "mean"}
-    return tuple(_row(group, blind) for group in groups.values())
+    blind, srgb = (
+        {(r.protocol, r.image, r.row): r.rmse for r in results if r.estimator == name}
+        for name in ("mean", "srgb")
+    )
+    return tuple(_row(group, blind, srgb) for group in groups.values())
 
 
-def _row(group: Sequence[Result], blind: Mapping[tuple[str, str, int], float]) -> Row:
+def _row(group: Sequence[Result], blind: _Photos, srgb: _Photos) -> Row:
     rmse = np.array([result.rmse for result in group])
     answered = np.array([result.rmse for result in group if result.answered])
     better = [r.rmse < blind.get((r.protocol, r.image, r.row), np.inf) for r in group]
+    vouched = [r for r in group if r.verdict == Verdict.RELIABLE]
+    borne_out = [r.rmse < srgb.get((r.protocol, r.image, r.row), np.inf) for r in vouched]
     broken = [result.outcome == "failed" for result in group]
     stops = [result.stops for result in group if result.stops is not None]
     bands = [result.band_coverage for result in group if result.band_coverage is not None]
@@ -102,6 +116,8 @@ def _row(group: Sequence[Result], blind: Mapping[tuple[str, str, int], float]) -
         answered_median=float(np.median(answered)) if answered.size else None,
         answered_mean=float(answered.mean()) if answered.size else None,
         band_coverage=float(np.mean(bands)) if bands else None,
+        reliable=len(vouched) / len(group),
+        reliable_better_than_srgb=float(np.mean(borne_out)) if borne_out else None,
     )
 
 
@@ -164,6 +180,8 @@ def _cells(row: Row) -> list[str]:
         _number(row.answered_median, 100),
         _number(row.answered_mean, 100),
         _number(row.band_coverage, 100, 0),
+        _number(row.reliable, 100, 0),
+        _number(row.reliable_better_than_srgb, 100, 0),
     ]
 
 

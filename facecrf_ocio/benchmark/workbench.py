@@ -27,12 +27,14 @@ class Result:
 
     Attributes
     ----------
-    protocol, estimator, image, row, response, family, fold
+    protocol, estimator, image, row, response, family, kind, fold
         The case; `fold` is None where nothing is held out.
     outcome
         Of the estimate, or `failed` where the estimator broke down.
     answered
         False where there was no curve: then the mean curve of the prior is scored in its place.
+    verdict
+        What the estimator says of its own answer; empty where it says nothing.
     reason
         In the estimator's words.
     rmse, rmse_red, rmse_green, rmse_blue, rmse_scaled, stops, band_coverage
@@ -47,8 +49,10 @@ class Result:
     row: int
     response: str
     family: str
+    kind: str
     fold: int | None
     outcome: str
+    verdict: str
     answered: bool
     reason: str
     rmse: float
@@ -112,6 +116,7 @@ class Workbench:
             row=case.row,
             response=responses.names[case.row],
             family=responses.family(case.row),
+            kind=responses.kind(case.row),
             fold=self._fold(case),
             truth=responses.inverse[case.row],
         )
@@ -149,6 +154,7 @@ class Subject:
     family: str
     fold: int | None
     truth: Float
+    kind: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -192,8 +198,10 @@ def measure(subject: Subject, photo: Photo, counts: np.ndarray, asked: Asked) ->
         row=subject.row,
         response=subject.response,
         family=subject.family,
+        kind=subject.kind,
         fold=subject.fold,
         outcome="failed" if failure else str(estimate.outcome),
+        verdict=str(estimate.confidence.verdict) if estimate.confidence else "",
         answered=estimate.found is not None,
         reason=failure or estimate.reason,
         rmse=errors.rmse,
