@@ -76,7 +76,9 @@ def _conditions(path: Path) -> str:
         return f"Measured on {len(run['pairs'])} pairs of exposures; code {run['code'][:12]}."
     responses = run["responses"]
     encoding = ", ".join(f"{name} {value}" for name, value in run["encoding"].items() if value)
+    images = list(run["images"])
+    named = images[0] if len(images) == 1 else f"{len(images)} images, {images[0]} to {images[-1]},"
     return (
-        f"Measured on {len(run['images'])} images through {len(responses['rows'])} responses of "
+        f"Measured on {named} through {len(responses['rows'])} responses of "
         f"{responses['file']}; {encoding}; seed {run['seed']}; code {run['code'][:12]}."
     )
