@@ -9,10 +9,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from facecrf_ocio.joint.grain import LEVELS, NoiseTable, measure_noise, noise_curve
+from facecrf_ocio.joint.grain import (
+    LEVELS,
+    NoiseTable,
+    measure_noise,
+    noise_curve,
+    sample_codes,
+)
 
 FULL_WELL = 4000.0
 MIDDLES = (np.arange(LEVELS) + 0.5) / LEVELS
+
+
+def measured(photo: npt.NDArray[np.float32]) -> NoiseTable:
+    return measure_noise(sample_codes(photo))
 
 
 def photo_of(power: float, *, side: int = 400, seed: int = 0) -> npt.NDArray[np.float32]:
@@ -31,7 +41,7 @@ def parts(vector: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], ...
 
 @pytest.mark.parametrize("power", [0.6, 1.0, 1.6, 2.2, 3.0])
 def test_the_sum_of_inverse_deviations_is_the_root_of_light(power: float) -> None:
-    vector = noise_curve(measure_noise(photo_of(power)))
+    vector = noise_curve(measured(photo_of(power)))
     assert vector is not None
     # From the third level on: nearer to black, noise is below rounding or clipped.
     shares = np.append(parts(vector)[-1], 1.0)[2:]
@@ -45,7 +55,7 @@ def test_the_deviation_is_that_of_a_second_difference() -> None:
     # value lies below 0.3853 deviations 30 % of the time.
     generator = np.random.default_rng(3)
     codes = np.rint(128.0 + 5.0 * generator.normal(size=(600, 600, 3)))
-    table = measure_noise((codes / 255.0).astype(np.float32))
+    table = measured((codes / 255.0).astype(np.float32))
     seen = table.count > 20_000
     assert seen.any()
     deviation = np.average(table.deviation[seen], weights=table.count[seen])
@@ -55,33 +65,33 @@ def test_the_deviation_is_that_of_a_second_difference() -> None:
 def test_every_pixel_inside_is_counted_unless_it_or_a_neighbor_is_clipped() -> None:
     generator = np.random.default_rng(1)
     codes = generator.integers(1, 255, (40, 50, 3)).astype(np.float32)
-    assert measure_noise(codes / 255.0).count.sum(axis=1).tolist() == [38 * 48] * 3
+    assert measured(codes / 255.0).count.sum(axis=1).tolist() == [38 * 48] * 3
     codes[20, 20, 0], codes[10, 10, 1] = 255.0, 0.0
-    counts = measure_noise(codes / 255.0).count.sum(axis=1)
+    counts = measured(codes / 255.0).count.sum(axis=1)
     assert counts.tolist() == [38 * 48 - 9, 38 * 48 - 9, 38 * 48]
 
 
 @pytest.mark.parametrize("code", [0.0, 1.0])
 def test_a_clipped_photo_says_nothing(code: float) -> None:
-    table = measure_noise(np.full((64, 64, 3), code, np.float32))
+    table = measured(np.full((64, 64, 3), code, np.float32))
     assert noise_curve(table) is None
     assert not table.count.any()
 
 
 @pytest.mark.parametrize("shape", [(1, 1, 3), (2, 500, 3), (500, 2, 3)])
 def test_a_photo_without_an_inside_says_nothing(shape: tuple[int, int, int]) -> None:
-    assert noise_curve(measure_noise(np.full(shape, 0.5, np.float32))) is None
+    assert noise_curve(measured(np.full(shape, 0.5, np.float32))) is None
 
 
 def test_a_ramp_without_noise_has_none() -> None:
     ramp = np.broadcast_to(np.linspace(0.2, 0.8, 300, dtype=np.float32)[None, :, None], (9, 300, 3))
     # Rounding moves a code by half of one at most, of which three rows of a column agree.
-    assert measure_noise(ramp).deviation.max() < 1.0
+    assert measured(ramp).deviation.max() < 1.0
 
 
 def test_levels_and_differences_are_those_of_plain_sums() -> None:
     codes = np.random.default_rng(7).integers(1, 255, (12, 14, 3)).astype(np.int64)
-    table = measure_noise((codes / 255.0).astype(np.float32))
+    table = measured((codes / 255.0).astype(np.float32))
     kernel = np.outer([1, -2, 1], [1, -2, 1])
     for channel in range(3):
         found: list[list[int]] = [[] for _ in range(LEVELS)]
@@ -103,7 +113,7 @@ def test_large_photos_are_sampled_from_edge_to_edge() -> None:
     corners = np.zeros((2000, 3000), bool)
     corners[:256, :256] = corners[-256:, -256:] = True
     photo[corners] = 0.25
-    count = measure_noise(photo).count[0]
+    count = measured(photo).count[0]
     assert count.sum() == 16 * 254**2
     assert count[int(0.25 * LEVELS)] == 2 * 254**2
 
@@ -159,7 +169,7 @@ def test_white_balance_is_an_offset_and_no_other_curve() -> None:
     light = np.linspace(0.0, 1.0, 600)[None, :] * np.ones((600, 1))
     noise = np.random.default_rng(2).normal(size=light.shape) * np.sqrt(2.0 * light / FULL_WELL)
     balanced[..., 0] = np.rint(np.clip(light + noise, 0.0, 1.0) * 255.0) / 255.0
-    before, after = noise_curve(measure_noise(photo)), noise_curve(measure_noise(balanced))
+    before, after = noise_curve(measured(photo)), noise_curve(measured(balanced))
     assert before is not None
     assert after is not None
     assert np.abs(parts(after)[1] - parts(before)[1]).max() < 0.1
@@ -170,7 +180,7 @@ def test_smooth_shading_and_a_slope_are_no_noise() -> None:
     flat = np.random.default_rng(5).normal(0.5, 0.02, (300, 300, 1)).repeat(3, axis=2)
     slope = np.linspace(-0.2, 0.2, 300)[None, :, None]
     level = slice(8, 16)
-    tables_of = [measure_noise(np.asarray(p, np.float32)) for p in (flat, flat + slope)]
+    tables_of = [measured(np.asarray(p, np.float32)) for p in (flat, flat + slope)]
     found = [np.average(t.deviation[1, level], weights=t.count[1, level]) for t in tables_of]
     assert found[0] == pytest.approx(found[1], rel=0.05)
 
@@ -178,7 +188,7 @@ def test_smooth_shading_and_a_slope_are_no_noise() -> None:
 def test_codes_are_those_of_eight_bits_whatever_the_photo_has() -> None:
     fine = np.random.default_rng(6).uniform(0.1, 0.9, (64, 64, 3)).astype(np.float32)
     coarse = np.rint(fine * np.float32(255.0)) / np.float32(255.0)
-    a, b = measure_noise(fine), measure_noise(coarse.astype(np.float32))
+    a, b = measured(fine), measured(coarse.astype(np.float32))
     assert np.array_equal(a.deviation, b.deviation)
     assert np.array_equal(a.count, b.count)
 
@@ -186,7 +196,7 @@ def test_codes_are_those_of_eight_bits_whatever_the_photo_has() -> None:
 def test_blur_lowers_the_mean_and_leaves_the_shape() -> None:
     photo = photo_of(2.2, side=500)
     soft = cv2.GaussianBlur(photo, (0, 0), 0.6)
-    sharp_vector, soft_vector = noise_curve(measure_noise(photo)), noise_curve(measure_noise(soft))
+    sharp_vector, soft_vector = noise_curve(measured(photo)), noise_curve(measured(soft))
     assert sharp_vector is not None
     assert soft_vector is not None
     assert soft_vector[0] < sharp_vector[0] - 0.3

@@ -19,7 +19,8 @@ import numpy.typing as npt
 
 from facecrf_ocio.cues.face import MIN_SKIN_PIXELS, FaceView
 from facecrf_ocio.face import regions
-from facecrf_ocio.joint.grain import SECOND_DIFFERENCE, measure_noise, noise_curve
+from facecrf_ocio.joint.grain import SECOND_DIFFERENCE, measure_noise, noise_curve, sample_codes
+from facecrf_ocio.joint.texture import noise_character
 from facecrf_ocio.pixels import in_8_bits
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.skin.mask import find_skin
@@ -55,10 +56,13 @@ class Statistics:
 def photo_statistics(encoded: npt.NDArray[np.float32]) -> dict[str, Float]:
     """Statistics of a whole photo (H, W, 3), taken in 8 bits, that need no face: `grain`.
 
-    Empty where every pixel is clipped.
+    Noise against level, and how far it is noise. Empty where every pixel is clipped.
     """
-    curve = noise_curve(measure_noise(encoded))
-    return {} if curve is None else {"grain": curve}
+    samples = sample_codes(encoded)
+    curve = noise_curve(measure_noise(samples))
+    if curve is None:
+        return {}
+    return {"grain": np.concatenate([curve, noise_character(samples)])}
 
 
 def face_statistics(

@@ -84,7 +84,7 @@ class CurveSource:
         if not measured:
             spread = 0.08 if generator.random() < 0.8 else 0.3
             curve = curve ** np.exp(generator.normal(0.0, spread))
-            if generator.random() < 0.3:
+            if generator.random() < 0.4:
                 curve = _warped(curve, generator)
             if generator.random() < 0.5:
                 curve = _with_white(curve, 1.0 - abs(generator.normal(0.0, 0.08)))
@@ -158,7 +158,8 @@ def _with_white(curve: Float, white: float) -> Float:
 def _warped(curve: Float, generator: np.random.Generator) -> Float:
     """The same response with a gentle, smooth change of shape that leaves its ends in place."""
     order = np.arange(1, 5)
-    heights = generator.normal(0.0, 0.02, order.size) / np.sqrt(order)
+    spread = 0.02 if generator.random() < 0.7 else 0.06
+    heights = generator.normal(0.0, spread, order.size) / order
     return np.asarray(curve + heights @ np.sin(np.pi * order[:, None] * curve))
 
 
