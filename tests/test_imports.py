@@ -16,7 +16,7 @@ PACKAGE = Path(facecrf_ocio.__file__).parent
 
 # From the bottom up: what stands in one row may import its own row and the rows above it here.
 LAYERS = (
-    ("values", "settings", "errors"),
+    ("values", "settings", "errors", "threads"),
     ("response",),
     ("read", "raw", "profile", "pixels", "integrity"),
     ("face", "skin"),

@@ -23,10 +23,8 @@ from pathlib import Path
 from time import monotonic
 
 from facecrf_ocio.archive.task import FAILED, Result, Task
+from facecrf_ocio.threads import single_threaded
 
-# One thread each: the processes are the parallelism, and sums come out the same on every machine.
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-_ENVIRONMENT = threading.Lock()
 _POLL = 0.25
 
 
@@ -183,28 +181,12 @@ class Pool:
     def _hire(self) -> _Worker:
         ours, theirs = self._context.Pipe()
         process = self._context.Process(target=_serve, args=(theirs,), daemon=True)
-        with _single_threaded():
+        with single_threaded():
             process.start()
         theirs.close()
         worker = _Worker(process, ours)
         self._workers.append(worker)
         return worker
-
-
-@contextlib.contextmanager
-def _single_threaded() -> Iterator[None]:
-    """Let processes started here inherit the limit on threads."""
-    with _ENVIRONMENT:
-        former = {name: os.environ.get(name) for name in _THREADS}
-        os.environ.update(dict.fromkeys(_THREADS, "1"))
-        try:
-            yield
-        finally:
-            for name, value in former.items():
-                if value is None:
-                    del os.environ[name]
-                else:
-                    os.environ[name] = value
 
 
 def _serve(pipe: Connection) -> None:

@@ -20,11 +20,10 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 
 from facecrf_ocio.errors import FaceCRFError, SettingsError
+from facecrf_ocio.threads import ONE_THREAD
 
 _COMMAND = "from facecrf_ocio.cli import main; main()"
 _LOOP = "from facecrf_ocio.benchmark.archive import calibrate_loop; calibrate_loop()"
-# As in a worker of `facecrf batch`: what is compared must use as many threads.
-_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +160,8 @@ def _run(arguments: Sequence[str], photos: Sequence[Path]) -> None:
         [sys.executable, "-c", *arguments],
         input=names,
         capture_output=True,
-        env={**os.environ, **_ONE_THREAD},
+        # As in a worker of `facecrf batch`: what is compared must use as many threads.
+        env={**os.environ, **ONE_THREAD},
         check=False,
     )
     if done.returncode:

@@ -9,25 +9,14 @@ import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 
 import cv2
 
 from facecrf_ocio.benchmark.cases import Plan, Task, code_digest
 from facecrf_ocio.benchmark.workbench import Result, Workbench
 from facecrf_ocio.errors import FaceCRFError
+from facecrf_ocio.threads import single_threaded
 
-# With several threads, sums are added in an order that depends on their number.
-_ONE_THREAD = dict.fromkeys(
-    (
-        "OMP_NUM_THREADS",
-        "OPENBLAS_NUM_THREADS",
-        "MKL_NUM_THREADS",
-        "BLIS_NUM_THREADS",
-        "VECLIB_MAXIMUM_THREADS",
-    ),
-    "1",
-)
 _workbench: Workbench | None = None  # of a worker process
 
 
@@ -46,24 +35,24 @@ def measure_tasks(
     """
     if not tasks:
         return
-    with _environment(_ONE_THREAD):
-        executor = ProcessPoolExecutor(
-            min(jobs, len(tasks)),
-            mp_context=multiprocessing.get_context("spawn"),
-            initializer=_start_worker,
-            initargs=(plan, code_digest()),
-        )
-        try:
+    executor = ProcessPoolExecutor(
+        min(jobs, len(tasks)),
+        mp_context=multiprocessing.get_context("spawn"),
+        initializer=_start_worker,
+        initargs=(plan, code_digest()),
+    )
+    try:
+        with single_threaded():
             futures = {executor.submit(_measure, task): task for task in tasks}
-            for future in as_completed(futures):
-                yield futures.pop(future), future.result()
-        except BrokenProcessPool as error:
-            raise FaceCRFError(
-                "a worker process was killed; start again, with fewer --jobs if memory is short: "
-                "finished cases are kept"
-            ) from error
-        finally:
-            executor.shutdown(cancel_futures=True)
+        for future in as_completed(futures):
+            yield futures.pop(future), future.result()
+    except BrokenProcessPool as error:
+        raise FaceCRFError(
+            "a worker process was killed; start again, with fewer --jobs if memory is short: "
+            "finished cases are kept"
+        ) from error
+    finally:
+        executor.shutdown(cancel_futures=True)
 
 
 def _start_worker(plan: Plan, code: str) -> None:
@@ -87,18 +76,3 @@ def _measure(task: Task) -> tuple[Result, ...]:
     if _workbench is None:
         raise FaceCRFError("the package was changed since this run began; start again")
     return _workbench.measure(task)
-
-
-@contextmanager
-def _environment(variables: dict[str, str]) -> Iterator[None]:
-    """Set variables for the processes started meanwhile."""
-    former = {name: os.environ.get(name) for name in variables}
-    os.environ.update(variables)
-    try:
-        yield
-    finally:
-        for name, value in former.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
