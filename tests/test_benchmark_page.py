@@ -6,6 +6,7 @@ import json
 
 from click.testing import CliRunner
 
+from facecrf_ocio.benchmark.tables import LEGEND
 from facecrf_ocio.cli_bench import bench
 
 RUN = {
@@ -34,12 +35,25 @@ def test_tables_findings_and_pictures_are_assembled(tmp_path):
     assert result.exit_code == 0, result.output
     text = page.read_text()
     assert text.index("What was found.") < text.index("fig4_skin.png") < text.index("| face |")
-    said = "2 images, a.exr to b.exr, through 3 responses of dorf.mat; bits 8; seed 3; code 0123"
-    assert said in text
+    assert "2 images, a.exr to b.exr, through 3 responses of dorf.mat (rows 0, 5 to 9)" in text
+    assert "Measured with bits 8; seed 3; prior auto; code 0123456789ab." in text
     assert (page.parent / "results" / "fig4_skin.png").read_bytes() == b"a picture"
     before = page.read_bytes()
     assert run(figures, tables, "-o", page, "--findings", tmp_path / "findings.md").exit_code == 0
     assert page.read_bytes() == before
+
+
+def test_what_the_columns_mean_is_told_once(tmp_path):
+    folders = [tmp_path / name for name in "ab"]
+    for folder in folders:
+        folder.mkdir()
+        (folder / "table.md").write_text(f"| face | 1.0 |\n\n{LEGEND}\n\n| dark | 2.0 |\n")
+        (folder / "results.json").write_text(json.dumps({"run": RUN}))
+    page = tmp_path / "RESULTS.md"
+    assert run(*folders, "-o", page).exit_code == 0
+    text = page.read_text()
+    assert text.count(LEGEND) == 1
+    assert text.count("| dark |") == text.count("| face |") == 2
 
 
 def test_a_folder_without_results_is_refused(tmp_path):
@@ -55,5 +69,5 @@ def test_pairs_of_real_cameras_stand_under_their_own_heading(tmp_path):
     (tmp_path / "results.json").write_text(json.dumps({"run": run_record}))
     assert run(tmp_path, "-o", tmp_path / "RESULTS.md").exit_code == 0
     text = (tmp_path / "RESULTS.md").read_text()
-    assert "## Real cameras (Table 2)\n\n| joint" in text
-    assert "Measured on 1 pairs of exposures; code 0123456789ab." in text
+    assert "## Real cameras (Table 2): pairs of exposures, 1 in all\n\n| joint" in text
+    assert "Code 0123456789ab." in text

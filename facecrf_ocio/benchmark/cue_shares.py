@@ -26,7 +26,7 @@ from facecrf_ocio.values import Float
 ALL, ALONE, WITHOUT, TOGETHER = "all", "alone", "without", "together"
 _DRAWS = 2000
 
-_LEGEND = """\
+LEGEND = """\
 RMSE of g x 100 on 1,024 uniform encoded values. alone: from one cue and the prior. without: from
 all the others. cost: what leaving the cue out adds to the mean error, with the 90 % interval of a
 bootstrap over images. together: one curve for all the images through one response, beside the mean
@@ -148,7 +148,7 @@ def _write(plan: Plan, results: Sequence[CueResult], output: Path) -> tuple[str,
             f"{alone.mean():.2f}; the 90 % band covers "
             f"{100 * np.mean([r.cover for r in joined]):.0f} %."
         )
-    text = "\n\n".join([*lines, _LEGEND]) + "\n"
+    text = "\n\n".join([*lines, LEGEND]) + "\n"
     cases = [asdict(result) for result in results]
     contents = {
         "cues.md": text.encode(),

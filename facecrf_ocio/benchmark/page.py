@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+from facecrf_ocio.benchmark import cue_shares, tables
 from facecrf_ocio.errors import PhotoError
 
 _TABLES = {
@@ -19,6 +21,7 @@ _RECORDS = {
     "cues.md": "cues.json",
     "ablations.md": "ablations.json",
 }
+_LEGENDS = (tables.LEGEND, cue_shares.LEGEND)
 _PICTURES = {
     "fig2_gamma.png": "Energies over candidate gammas, for cameras of gamma 0.3 to 1 (Fig. 2). "
     "With exact log ratios a common exponent only scales the matrices of eq. 16, so that E_p can "
@@ -53,32 +56,49 @@ def results_page(folders: Sequence[Path], findings: str, pictures: str) -> tuple
         If a folder holds no results.
     """
     parts, shown = ["# Results", findings.strip()] if findings.strip() else ["# Results"], []
+    explained: set[str] = set()
     for folder in folders:
-        tables = [name for name in _TABLES if (folder / name).is_file()]
+        found = [name for name in _TABLES if (folder / name).is_file()]
         drawn = [name for name in _PICTURES if (folder / name).is_file()]
-        if not tables and not drawn:
+        if not found and not drawn:
             raise PhotoError(folder, "holds no results of a bench", "run facecrf bench first")
-        for name in tables:
-            text = (folder / name).read_text(encoding="utf-8").strip()
-            conditions = _conditions(folder / _RECORDS[name])
-            title = _PAIRS if "pairs of exposures" in conditions else _TABLES[name]
-            parts += [f"## {title}", text, conditions]
+        for name in found:
+            text = _unexplained((folder / name).read_text(encoding="utf-8"), explained)
+            run = json.loads((folder / _RECORDS[name]).read_text(encoding="utf-8"))["run"]
+            title = _TABLES[name] if "responses" in run else _PAIRS
+            parts += [f"## {title}: {_photos(run)}", text, _conditions(run)]
         for name in drawn:
             parts += [f"![{name}]({pictures}/{name})", _PICTURES[name]]
             shown.append(folder / name)
     return "\n\n".join(parts) + "\n", shown
 
 
-def _conditions(path: Path) -> str:
-    """Say in one line what was run."""
-    run = json.loads(path.read_text(encoding="utf-8"))["run"]
+def _unexplained(text: str, explained: set[str]) -> str:
+    """A table without the legends that stood under an earlier one."""
+    for legend in _LEGENDS:
+        if legend in text and legend in explained:
+            text = text.replace(f"{legend}\n", "")
+        elif legend in text:
+            explained.add(legend)
+    return text.strip()
+
+
+def _photos(run: dict[str, Any]) -> str:
+    """What was measured on."""
     if "responses" not in run:
-        return f"Measured on {len(run['pairs'])} pairs of exposures; code {run['code'][:12]}."
-    responses = run["responses"]
-    encoding = ", ".join(f"{name} {value}" for name, value in run["encoding"].items() if value)
+        return f"pairs of exposures, {len(run['pairs'])} in all"
     images = list(run["images"])
     named = images[0] if len(images) == 1 else f"{len(images)} images, {images[0]} to {images[-1]},"
-    return (
-        f"Measured on {named} through {len(responses['rows'])} responses of "
-        f"{responses['file']}; {encoding}; seed {run['seed']}; code {run['code'][:12]}."
-    )
+    responses = run["responses"]
+    rows = responses["rows"]
+    which = f"row {rows[0]}" if len(rows) == 1 else f"rows {rows[0]}, {rows[1]} to {rows[-1]}"
+    return f"{named} through {len(rows)} responses of {responses['file']} ({which})"
+
+
+def _conditions(run: dict[str, Any]) -> str:
+    """Say in one line how it was run."""
+    if "responses" not in run:
+        return f"Code {run['code'][:12]}."
+    encoding = ", ".join(f"{name} {value}" for name, value in run["encoding"].items() if value)
+    prior = run.get("prior", "auto")
+    return f"Measured with {encoding}; seed {run['seed']}; prior {prior}; code {run['code'][:12]}."

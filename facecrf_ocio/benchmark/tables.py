@@ -19,7 +19,7 @@ _TITLES = {
     PAPER: "Paper protocol: the shipped prior, which has seen all DoRF curves",
     "pairs": "Real cameras, responses fitted to linear images of the same exposures",
 }
-_LEGEND = """\
+LEGEND = """\
 min to std: RMSE of g x 100 on 1,024 uniform encoded values, mean of the channels. A photo that the
 estimator refused (or failed on) is scored as the prior's mean curve; `answered` counts only the
 others. scaled: the same after one free scale. stops: median error over the photo's unclipped
@@ -132,7 +132,7 @@ def markdown(rows: Sequence[Row]) -> str:
             f"{_TITLES.get(protocol, protocol)} ({chosen[0].cases} photos)",
             markdown_table(headings, [_cells(row) for row in chosen]),
         ]
-    return "\n\n".join([*parts, _LEGEND]) + "\n"
+    return "\n\n".join([*parts, LEGEND]) + "\n"
 
 
 def timing_markdown(results: Sequence[Result]) -> str:
