@@ -9,20 +9,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from facecrf_ocio.joint.grain import (
-    LEVELS,
-    NoiseTable,
-    measure_noise,
-    noise_curve,
-    sample_codes,
-)
+from facecrf_ocio.joint.grain import NoiseTable, measure_noise, noise_curve
+from facecrf_ocio.joint.noise_counts import LEVELS, count_noise
 
 FULL_WELL = 4000.0
 MIDDLES = (np.arange(LEVELS) + 0.5) / LEVELS
 
 
 def measured(photo: npt.NDArray[np.float32]) -> NoiseTable:
-    return measure_noise(sample_codes(photo))
+    return measure_noise(count_noise(photo))
 
 
 def photo_of(power: float, *, side: int = 400, seed: int = 0) -> npt.NDArray[np.float32]:

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from facecrf_ocio.joint.grain import sample_codes
+from facecrf_ocio.joint.noise_counts import count_noise
 from facecrf_ocio.joint.texture import GROUPS, SIZE, noise_character
 
 MIDDLE = 3  # group of level of the photos here
@@ -15,7 +15,7 @@ CODE = 140.0
 
 
 def character(photo: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
-    return noise_character(sample_codes(photo))
+    return noise_character(count_noise(photo))
 
 
 def photo_with(noise: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:

@@ -19,7 +19,8 @@ import numpy.typing as npt
 
 from facecrf_ocio.cues.face import MIN_SKIN_PIXELS, FaceView
 from facecrf_ocio.face import regions
-from facecrf_ocio.joint.grain import SECOND_DIFFERENCE, measure_noise, noise_curve, sample_codes
+from facecrf_ocio.joint.grain import measure_noise, noise_curve
+from facecrf_ocio.joint.noise_counts import SECOND_DIFFERENCE, count_noise
 from facecrf_ocio.joint.texture import noise_character
 from facecrf_ocio.pixels import in_8_bits
 from facecrf_ocio.settings import Settings
@@ -58,11 +59,11 @@ def photo_statistics(encoded: npt.NDArray[np.float32]) -> dict[str, Float]:
 
     Noise against level, and how far it is noise. Empty where every pixel is clipped.
     """
-    samples = sample_codes(encoded)
-    curve = noise_curve(measure_noise(samples))
+    counts = count_noise(encoded)
+    curve = noise_curve(measure_noise(counts))
     if curve is None:
         return {}
-    return {"grain": np.concatenate([curve, noise_character(samples)])}
+    return {"grain": np.concatenate([curve, noise_character(counts)])}
 
 
 def face_statistics(
