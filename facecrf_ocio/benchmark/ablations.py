@@ -28,7 +28,7 @@ from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Photo
 
-LEGEND = """\
+_LEGEND = """\
 RMSE of g x 100 on 1,024 uniform encoded values, mean of the channels, under priors that never saw
 the tested curve nor its fold; a refused photo is scored as the prior's mean curve. E_p truth, E_p
 identity: median of E_p at the true curve and at the identity over its value at the estimate.
@@ -152,7 +152,7 @@ def _write(
     photos = len(plan.faces) * len(plan.rows)
     table = markdown_table([*headings, "truth lowest %"], cells)
     text = f"The literal method with steps given their true answer ({photos} photos)\n\n{table}"
-    text += f"\n\n{LEGEND}\n"
+    text += f"\n\n{_LEGEND}\n"
     run = {
         "versions": versions(),
         "code": code_digest(),

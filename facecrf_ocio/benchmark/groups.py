@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from facecrf_ocio.benchmark.tables import markdown_table
+from facecrf_ocio.benchmark.tables import Row, grouped, markdown_table, number, summarize
 from facecrf_ocio.benchmark.workbench import Result
 from facecrf_ocio.errors import PhotoError, reason_of
 from facecrf_ocio.response.fixed import FIXED_CURVES
@@ -20,7 +20,8 @@ _LEFT_OUT = frozenset(FIXED_CURVES) - {"mean", "srgb"}
 def percentiles_markdown(results: Sequence[Result]) -> str:
     """Percentiles of RMSE x 100 for each protocol and estimator."""
     cells = []
-    for (protocol, estimator), group in _by(results, lambda r: (r.protocol, r.estimator)).items():
+    groups = grouped(results, lambda result: (result.protocol, result.estimator))
+    for (protocol, estimator), group in groups.items():
         values = 100.0 * np.percentile([result.rmse for result in group], PERCENTILES)
         cells.append([estimator, protocol, *(f"{value:.2f}" for value in values)])
     headings = ["percentiles of RMSE x 100", "protocol", *map(str, PERCENTILES)]
@@ -46,14 +47,13 @@ def groups_markdown(
     str
         A Markdown table, empty if no result has a group.
     """
-    named = [result for result in results if group_of(result)]
-    cells = []
-    for (protocol, name), group in sorted(
-        _by(named, lambda r: (r.protocol, group_of(r))).items(), key=lambda item: item[0]
-    ):
-        for estimator, own in _by(group, lambda r: (r.estimator, "")).items():
-            if estimator[0] not in _LEFT_OUT:
-                cells.append([name, protocol, estimator[0], *_numbers(own)])
+    groups = grouped(results, lambda result: (result.protocol, group_of(result)))
+    cells = [
+        [name, protocol, row.estimator, *_numbers(row)]
+        for (protocol, name), group in sorted(groups.items(), key=lambda item: item[0])
+        for row in summarize(group)
+        if name and row.estimator not in _LEFT_OUT
+    ]
     if not cells:
         return ""
     headings = [title, "protocol", "estimator", "photos", "median", "mean", "max"]
@@ -91,20 +91,7 @@ def image_groups(path: Path, column: str) -> dict[str, str]:
     }
 
 
-def _numbers(group: Sequence[Result]) -> list[str]:
-    rmse = 100.0 * np.array([result.rmse for result in group])
-    scaled = 100.0 * np.median([result.rmse_scaled for result in group])
-    bands = [result.band_coverage for result in group if result.band_coverage is not None]
-    band = f"{100.0 * np.mean(bands):.0f}" if bands else "-"
-    numbers = [f"{value:.2f}" for value in (np.median(rmse), rmse.mean(), rmse.max(), scaled)]
-    return [str(len(group)), *numbers, band]
-
-
-def _by(
-    results: Sequence[Result], key: Callable[[Result], tuple[str, str]]
-) -> Mapping[tuple[str, str], list[Result]]:
-    """Results by key, in the order in which keys first occur."""
-    groups: dict[tuple[str, str], list[Result]] = {}
-    for result in results:
-        groups.setdefault(key(result), []).append(result)
-    return groups
+def _numbers(row: Row) -> list[str]:
+    errors = (row.rmse_median, row.rmse_mean, row.rmse_max, row.rmse_scaled_median)
+    hundredfold = [number(error, 100) for error in errors]
+    return [str(row.cases), *hundredfold, number(row.band_coverage, 100, 0)]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
+from typing import TypeVar
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from facecrf_ocio.benchmark.cases import HELD_OUT, PAPER
 from facecrf_ocio.benchmark.workbench import Result
 from facecrf_ocio.values import Verdict
 
+_Key = TypeVar("_Key", bound=Hashable)
 _Photos = Mapping[tuple[str, str, int], float]
 _TITLES = {
     HELD_OUT: "Held-out protocol: the prior never saw the tested curve nor its fold",
@@ -80,14 +82,20 @@ class Row:
 
 def summarize(results: Sequence[Result]) -> tuple[Row, ...]:
     """One row for each protocol and estimator, in the order of the results."""
-    groups: dict[tuple[str, str], list[Result]] = {}
-    for result in results:
-        groups.setdefault((result.protocol, result.estimator), []).append(result)
+    groups = grouped(results, lambda result: (result.protocol, result.estimator))
     blind, srgb = (
         {(r.protocol, r.image, r.row): r.rmse for r in results if r.estimator == name}
         for name in ("mean", "srgb")
     )
     return tuple(_row(group, blind, srgb) for group in groups.values())
+
+
+def grouped(results: Iterable[Result], key: Callable[[Result], _Key]) -> dict[_Key, list[Result]]:
+    """Results by key, in the order in which keys first occur."""
+    groups: dict[_Key, list[Result]] = {}
+    for result in results:
+        groups.setdefault(key(result), []).append(result)
+    return groups
 
 
 def _row(group: Sequence[Result], blind: _Photos, srgb: _Photos) -> Row:
@@ -137,13 +145,10 @@ def markdown(rows: Sequence[Row]) -> str:
 
 def timing_markdown(results: Sequence[Result]) -> str:
     """Seconds per photo, kept out of the tables because no two runs agree on them."""
-    seconds: dict[str, list[float]] = {}
-    for result in results:
-        seconds.setdefault(result.estimator, []).append(result.seconds)
-    cells = [
-        [name, f"{np.median(times):.3f}", f"{np.mean(times):.3f}", f"{np.max(times):.3f}"]
-        for name, times in seconds.items()
-    ]
+    cells = []
+    for name, group in grouped(results, lambda result: result.estimator).items():
+        times = [result.seconds for result in group]
+        cells.append([name, *(f"{of(times):.3f}" for of in (np.median, np.mean, np.max))])
     return markdown_table(["seconds per photo", "median", "mean", "max"], cells) + "\n"
 
 
@@ -172,20 +177,21 @@ def _cells(row: Row) -> list[str]:
     hundredfold = (row.rmse_min, row.rmse_median, row.rmse_mean, row.rmse_max, row.rmse_std)
     return [
         row.estimator,
-        *(_number(value, 100) for value in (*hundredfold, row.rmse_scaled_median)),
-        _number(row.stops_median, 1, 3),
-        "" if row.estimator == "mean" else _number(row.better_than_mean, 100, 0),
-        _number(row.refused, 100, 1),
-        _number(row.failed, 100, 1),
-        _number(row.answered_median, 100),
-        _number(row.answered_mean, 100),
-        _number(row.band_coverage, 100, 0),
-        _number(row.reliable, 100, 0),
-        _number(row.reliable_better_than_srgb, 100, 0),
+        *(number(value, 100) for value in (*hundredfold, row.rmse_scaled_median)),
+        number(row.stops_median, 1, 3),
+        "" if row.estimator == "mean" else number(row.better_than_mean, 100, 0),
+        number(row.refused, 100, 1),
+        number(row.failed, 100, 1),
+        number(row.answered_median, 100),
+        number(row.answered_mean, 100),
+        number(row.band_coverage, 100, 0),
+        number(row.reliable, 100, 0),
+        number(row.reliable_better_than_srgb, 100, 0),
     ]
 
 
-def _number(value: float | None, factor: float, digits: int = 2) -> str:
+def number(value: float | None, factor: float, digits: int = 2) -> str:
+    """A cell: `factor` times the value, a dash for none."""
     return "-" if value is None else f"{factor * value:.{digits}f}"
 
 
