@@ -8,8 +8,9 @@ import numpy.typing as npt
 import pytest
 
 from facecrf_ocio.joint.noise_counts import count_noise
-from facecrf_ocio.joint.texture import GROUPS, SIZE, noise_character
+from facecrf_ocio.joint.texture import GROUPS, noise_character
 
+SIZE = 5 * GROUPS + 2
 MIDDLE = 3  # group of level of the photos here
 CODE = 140.0
 

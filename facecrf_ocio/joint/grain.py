@@ -12,12 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from facecrf_ocio.joint.noise_counts import LEVELS, NoiseCounts, quantile
+from facecrf_ocio.joint.noise_counts import LEVELS, ROUNDING, NoiseCounts, quantile
 from facecrf_ocio.values import Float, frozen
 
 # Texture reaches the upper quantiles of a second difference first.
 _QUANTILE = 0.3
-_ROUNDING = 0.25
 _FEWEST, _FEW = 30, 150.0
 _TRUST, _SMOOTH, _FLAT, _OFFSET = 8.0, 1.0, 0.02, 0.05
 
@@ -69,7 +68,7 @@ def noise_curve(table: NoiseTable) -> Float | None:
     trust = np.where(table.count >= _FEWEST, table.count / (table.count + _FEW), 0.0) * _TRUST
     if trust.sum() <= 0.0:
         return None
-    measured = np.log(table.deviation + _ROUNDING)
+    measured = np.log(table.deviation + ROUNDING)
     bend, step = (np.diff(np.eye(LEVELS), order, axis=0) for order in (2, 1))
     A = np.zeros((LEVELS + 2, LEVELS + 2))
     A[:LEVELS, :LEVELS] = _SMOOTH * bend.T @ bend + _FLAT * step.T @ step + 1e-6 * np.eye(LEVELS)

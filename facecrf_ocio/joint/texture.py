@@ -10,14 +10,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from facecrf_ocio.joint.noise_counts import LEVELS, NoiseCounts, quantile
+from facecrf_ocio.joint.noise_counts import ROUNDING, NoiseCounts, quantile
 from facecrf_ocio.values import Float
 
 GROUPS = 6
-SIZE = 5 * GROUPS + 2
 _LOW, _HIGH = 0.3, 0.8
 _NORMAL_TAIL = 1.2017  # log of the ratio of these quantiles of a normal deviate's absolute value
-_ROUNDING = 0.25
 _FEW_PAIRS, _FEW = 100.0, 300.0
 
 
@@ -35,7 +33,7 @@ def noise_character(counts: NoiseCounts) -> Float:
     """
     same, opposite = (_grouped(signs) for signs in (counts.same, counts.opposite))
     shared = (same - opposite) / (same + opposite + _FEW_PAIRS)
-    histograms = _grouped(counts.histograms.sum(axis=1).swapaxes(1, 2)).swapaxes(1, 2)
+    histograms = _grouped(counts.histograms).sum(axis=1)
     seen = histograms.sum(axis=2)
     trust = seen / (seen + _FEW)
     low, high = (_log_quantiles(histograms, share) for share in (_LOW, _HIGH))
@@ -46,13 +44,13 @@ def noise_character(counts: NoiseCounts) -> Float:
 
 
 def _grouped(by_level: Float) -> Float:
-    """(..., L) counts as (..., G)."""
-    grouped = by_level.reshape(*by_level.shape[:-1], GROUPS, LEVELS // GROUPS)
-    return np.asarray(grouped.sum(axis=-1))
+    """Counts of (2, 3, L, ...) as (2, 3, G, ...)."""
+    grouped = by_level.reshape(*by_level.shape[:2], GROUPS, -1, *by_level.shape[3:])
+    return np.asarray(grouped.sum(axis=3))
 
 
 def _log_quantiles(histograms: Float, share: float) -> Float:
     """(2, G) logarithms of quantiles in codes, rounding added."""
     return np.array(
-        [[np.log(quantile(row, share) + _ROUNDING) for row in rows] for rows in histograms]
+        [[np.log(quantile(row, share) + ROUNDING) for row in rows] for rows in histograms]
     )
