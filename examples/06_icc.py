@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image, ImageCms
 
 from facecrf_ocio import calibrate, read_photo
-from facecrf_ocio.export import write_lut
+from facecrf_ocio.lut.write import write_lut
 from facecrf_ocio.values import InverseCRF
 
 photo = read_photo(matplotlib.cbook.get_sample_data("grace_hopper.jpg", asfileobj=False))

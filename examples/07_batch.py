@@ -10,7 +10,7 @@ from pathlib import Path
 import matplotlib.cbook
 from PIL import Image
 
-facecrf = [sys.executable, "-c", "from facecrf_ocio.cli import main; main()"]
+facecrf = [sys.executable, "-c", "from facecrf_ocio.cli.facecrf import main; main()"]
 with tempfile.TemporaryDirectory() as name:
     photos, luts = Path(name) / "photos", Path(name) / "luts"
     (photos / "1983").mkdir(parents=True)

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from facecrf_ocio.export import write_lut
 from facecrf_ocio.joint.prior import shipped_prior
+from facecrf_ocio.lut.write import write_lut
 from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import dorf_model, strictly_increasing
 from facecrf_ocio.values import InverseCRF

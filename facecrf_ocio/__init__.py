@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from facecrf_ocio.joint import conclude as conclude
     from facecrf_ocio.joint import gather as gather
     from facecrf_ocio.joint import misfit as misfit
-    from facecrf_ocio.read import read_photo as read_photo
+    from facecrf_ocio.photo.read import read_photo as read_photo
     from facecrf_ocio.settings import Settings as Settings
     from facecrf_ocio.together import Together as Together
     from facecrf_ocio.together import calibrate_together as calibrate_together
@@ -37,7 +37,7 @@ _HOME = {
     "calibrate": "calibrate",
     **dict.fromkeys(("Together", "calibrate_together"), "together"),
     **dict.fromkeys(("PhotoEvidence", "conclude", "gather", "misfit"), "joint"),
-    "read_photo": "read",
+    "read_photo": "photo.read",
     "Settings": "settings",
     **dict.fromkeys(
         (

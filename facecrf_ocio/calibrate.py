@@ -1,9 +1,10 @@
 """Start here: one photo in, its inverse camera response out.
 
 Read this page from top to bottom to follow a photo. The default estimator gathers what every cue of
-the photo says and multiplies it with the prior (`joint/`). The paper's method and its rivals gather
-evidence by one cue (`cues/face.py` for faces), join it with the prior into one objective, minimize
-that over the response model's coefficients, and turn the result into a valid curve.
+the photo says and multiplies it with the prior (`joint/`). The paper's method and its rivals
+(`published/`; `published/face_estimator.py` is the paper's) find terms of one objective in the
+photo, join them with the prior, minimize that over the response model's coefficients, and turn the
+result into a valid curve.
 """
 
 from __future__ import annotations
@@ -12,13 +13,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from facecrf_ocio.confidence import fitted_confidence, prior_confidence
-from facecrf_ocio.cues.evidence import Answer, FittedCurve, Lacking
-from facecrf_ocio.cues.registry import CUES
-from facecrf_ocio.energy.empirical import Empirical
-from facecrf_ocio.energy.monotonicity import Monotonicity
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude, gather, shipped_joint
+from facecrf_ocio.published.answer import Answer, FittedCurve
+from facecrf_ocio.published.energy.empirical import Empirical
+from facecrf_ocio.published.energy.monotonicity import Monotonicity
+from facecrf_ocio.published.registry import CUES
+from facecrf_ocio.published.solve import Weighted, solve
+from facecrf_ocio.published.trust import fitted_confidence, prior_confidence
 from facecrf_ocio.response.fixed import FIXED_CURVES, fixed_curve
 from facecrf_ocio.response.model import (
     CURVE_SIZE,
@@ -27,8 +29,7 @@ from facecrf_ocio.response.model import (
     strictly_increasing,
 )
 from facecrf_ocio.settings import ESTIMATOR_NAMES, FALLBACKS, PRIORS, Settings
-from facecrf_ocio.solve import Weighted, solve
-from facecrf_ocio.values import Confidence, Estimate, InverseCRF, Outcome, Photo, Verdict
+from facecrf_ocio.values import Confidence, Estimate, InverseCRF, Lacking, Outcome, Photo, Verdict
 
 SAME_CURVE = "the camera applied the same curve to all channels"
 

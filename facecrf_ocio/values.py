@@ -217,7 +217,7 @@ class InverseCRF:
     def write(
         self, path: str | Path, *, overwrite: bool = False, direction: str = "linearize"
     ) -> Path:
-        """Write the curve as the LUT its name's end tells, such as .spi1d; see `export.FORMATS`.
+        """Write the curve as the LUT its name's end tells, such as .spi1d; see `lut.write.FORMATS`.
 
         With the direction `encode` the file holds the inverse, from linear light to code values.
 
@@ -231,7 +231,7 @@ class InverseCRF:
             If the ending is unknown or the file does not read back as written.
         """
         # The one import against the grain: the curve is what users hold when they want a file.
-        from facecrf_ocio.export import write_lut  # noqa: PLC0415
+        from facecrf_ocio.lut.write import write_lut  # noqa: PLC0415
 
         return write_lut(self, Path(path), overwrite=overwrite, direction=direction)
 
@@ -292,6 +292,14 @@ class FaceGeometry:
     triangles: npt.NDArray[np.int32]
     normals: npt.NDArray[np.float32]
     bare_skin: Bool
+
+
+@dataclass(frozen=True, slots=True)
+class Lacking:
+    """Why the photo tells an estimator nothing, and what the user can do; one sentence each."""
+
+    reason: str
+    remedy: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from facecrf_ocio.cli import main
+from facecrf_ocio.cli.facecrf import main
 
-CODE = "from facecrf_ocio.cli import main; main()"
+CODE = "from facecrf_ocio.cli.facecrf import main; main()"
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio import calibrate, read_photo
-from facecrf_ocio.export import write_lut
+from facecrf_ocio.lut.write import write_lut
 from facecrf_ocio.values import InverseCRF
 
 FORMATS = ("spi1d", "cube", "clf", "ctf", "csp")

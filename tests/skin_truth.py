@@ -8,9 +8,10 @@ from functools import cache
 import cv2
 import numpy as np
 
-from facecrf_ocio.cues.face import AnalyzedFace, FaceView, analyze_face, cut_face, pigment_evidence
-from facecrf_ocio.energy.pigment import PigmentEvidence, SkinPigment
 from facecrf_ocio.face.detect import find_faces
+from facecrf_ocio.face.view import FaceView, cut_face
+from facecrf_ocio.published.energy.pigment import PigmentEvidence, SkinPigment
+from facecrf_ocio.published.face_estimator import AnalyzedFace, analyze_face, pigment_evidence
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.synthetic import (
     SyntheticFace,

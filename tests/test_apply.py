@@ -10,9 +10,9 @@ import OpenImageIO as oiio  # noqa: N813
 import pytest
 from photo_files import CURVE, GRID, oiiotool, random_codes, write, write_spi1d
 
-from facecrf_ocio.apply import apply_lut, linearize_photo
 from facecrf_ocio.errors import LutError
-from facecrf_ocio.read import read_photo
+from facecrf_ocio.image.apply import apply_lut, linearize_photo
+from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.values import InverseCRF, Photo
 
 

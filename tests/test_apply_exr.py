@@ -13,11 +13,11 @@ import pytest
 from photo_files import CURVE, matrix_profile, oiiotool, pixels_of, random_codes, write, write_spi1d
 from PIL import Image
 
-from facecrf_ocio.apply import apply_lut, linear_rows, linearize_photo, write_exr
+from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
 from facecrf_ocio.errors import LutError, OutputError, SettingsError
-from facecrf_ocio.lookup import curve_lookup
-from facecrf_ocio.profile import KNOWN_PRIMARIES
-from facecrf_ocio.read import read_photo
+from facecrf_ocio.image.apply import apply_lut, linear_rows, linearize_photo, write_exr
+from facecrf_ocio.image.lookup import curve_lookup
+from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.values import Photo
 
 

@@ -10,7 +10,7 @@ import pytest
 from archive_photos import files, table
 from command_line import CommandLine, write_noise
 
-from facecrf_ocio.archive import folders
+from facecrf_ocio.files import folders
 
 
 @pytest.fixture

@@ -15,9 +15,9 @@ from pathlib import Path
 import pytest
 from command_line import CODE, CommandLine, names_in, write_noise
 
-from facecrf_ocio.archive.manifest import FILE, Manifest, Stamp
-from facecrf_ocio.archive.pool import Limits, Pool
-from facecrf_ocio.archive.task import Recipe, Result, Task
+from facecrf_ocio.archive.manifest.database import FILE, Manifest, Stamp
+from facecrf_ocio.archive.work.processes import Limits, Pool
+from facecrf_ocio.archive.work.task import Recipe, Result, Task
 
 COLUMNS = "name, size, sha256, recipe, state, outcome, verdict, estimator, reason, remedy, make"
 

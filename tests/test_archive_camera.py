@@ -10,7 +10,7 @@ from archive_photos import ONE, everything, files, table, write_face, write_pict
 from command_line import CommandLine
 
 from facecrf_ocio import read_photo
-from facecrf_ocio.export.sidecar import read_sidecar
+from facecrf_ocio.record.sidecar import read_sidecar
 from facecrf_ocio.synthetic import gamma_curve
 from facecrf_ocio.together import MISFIT_LIMIT, calibrate_together
 

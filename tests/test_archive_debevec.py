@@ -9,13 +9,13 @@ import pytest
 from archive_photos import ONE, exposed, table, write_face, write_picture
 from command_line import CommandLine
 
-from facecrf_ocio.archive.bracket import Exposure, find_brackets
-from facecrf_ocio.archive.debevec import rmse_after_scale, solve_bracket
-from facecrf_ocio.archive.samples import COLUMNS, ROWS, read_samples, take_samples
-from facecrf_ocio.archive.shot import read_shot
-from facecrf_ocio.archive.task import Shot
-from facecrf_ocio.export.sidecar import read_sidecar
+from facecrf_ocio.archive.cameras.bracket import Exposure, find_brackets
+from facecrf_ocio.archive.cameras.shot import read_shot
+from facecrf_ocio.archive.work.task import Shot
 from facecrf_ocio.joint.prior import shipped_prior
+from facecrf_ocio.pair.code_samples import COLUMNS, ROWS, read_samples, take_samples
+from facecrf_ocio.pair.debevec import rmse_after_scale, solve_bracket
+from facecrf_ocio.record.sidecar import read_sidecar
 from facecrf_ocio.response.model import dorf_model, inverse_crf, strictly_increasing
 from facecrf_ocio.synthetic import encode, gamma_curve
 from facecrf_ocio.values import InverseCRF

@@ -22,12 +22,12 @@ from selenium.webdriver import ActionChains
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.wait import WebDriverWait
 
-from facecrf_ocio.archive.manifest import FILE
+from facecrf_ocio.archive.manifest.database import FILE
 from facecrf_ocio.archive.report import write_report
 from facecrf_ocio.archive.run import Job, run
-from facecrf_ocio.archive.task import Recipe
 from facecrf_ocio.archive.walk import photos_under
-from facecrf_ocio.export import read_sidecar
+from facecrf_ocio.archive.work.task import Recipe
+from facecrf_ocio.record.sidecar import read_sidecar
 
 ODD = 'odd "name" <script>alert(1)<!-- & \n line.png'
 REPORT = "facecrf-report.html"

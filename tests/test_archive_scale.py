@@ -10,16 +10,16 @@ from pathlib import Path
 import pytest
 
 from facecrf_ocio import __version__
-from facecrf_ocio.archive.manifest import Manifest, Stamp
-from facecrf_ocio.archive.settle import settle
-from facecrf_ocio.archive.task import Gathered, Output, Recipe, Result, Shot
+from facecrf_ocio.archive.cameras.settle import settle
+from facecrf_ocio.archive.manifest.database import Manifest, Stamp
+from facecrf_ocio.archive.work.task import Gathered, Output, Recipe, Result, Shot
 
 # Runs in a process of its own and prints the seconds of the run, then the memory it took at most.
 RUN = """
 import resource, sys, time
 from pathlib import Path
 from facecrf_ocio.archive.run import Job, run
-from facecrf_ocio.archive.task import Recipe
+from facecrf_ocio.archive.work.task import Recipe
 from facecrf_ocio.archive.walk import photos_under
 source, folder, pool = Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3] == "pool"
 count = 0

@@ -6,9 +6,9 @@ import sqlite3
 
 import pytest
 
-from facecrf_ocio.archive.manifest import FILE, Manifest, Stamp
-from facecrf_ocio.archive.schema import VERSION
-from facecrf_ocio.archive.task import Output, Result
+from facecrf_ocio.archive.manifest.database import FILE, Manifest, Stamp
+from facecrf_ocio.archive.manifest.schema import VERSION
+from facecrf_ocio.archive.work.task import Output, Result
 from facecrf_ocio.errors import OutputError
 
 # As the first version of this package wrote it.

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from command_line import CommandLine, write_noise
 
-from facecrf_ocio.archive.manifest import FILE
+from facecrf_ocio.archive.manifest.database import FILE
 
 OPTIONS = ("--estimator", "mean", "--formats", "spi1d", "--jobs", "1")
 LINKS = ("gone.jpg", "loop.jpg")

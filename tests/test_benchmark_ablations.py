@@ -12,9 +12,9 @@ from click.testing import CliRunner
 from facecrf_ocio.benchmark import ablations
 from facecrf_ocio.benchmark.ablation import ABLATIONS, Ablated, Ablation, ablate
 from facecrf_ocio.benchmark.truth import onto, synthetic_face, unit
-from facecrf_ocio.cli_bench import bench
-from facecrf_ocio.cues.face import cut_face
+from facecrf_ocio.cli.bench_command import bench
 from facecrf_ocio.face.detect import find_faces
+from facecrf_ocio.face.view import cut_face
 from facecrf_ocio.response.model import dorf_model, strictly_increasing
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.synthetic import encode, gamma_curve

@@ -14,8 +14,8 @@ from command_line import write_noise
 from face_photos import grace_hopper
 from PIL import Image
 
-from facecrf_ocio.benchmark.archive import ArchiveCost, Cost, calibrate_loop, measure_archive
-from facecrf_ocio.cli import main
+from facecrf_ocio.benchmark.archive_cost import ArchiveCost, Cost, calibrate_loop, measure_archive
+from facecrf_ocio.cli.facecrf import main
 from facecrf_ocio.errors import SettingsError
 
 

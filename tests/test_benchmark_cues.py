@@ -18,7 +18,7 @@ from facecrf_ocio.benchmark.metrics import score
 from facecrf_ocio.benchmark.responses import read_responses
 from facecrf_ocio.benchmark.workbench import Workbench
 from facecrf_ocio.calibrate import calibrate
-from facecrf_ocio.cli_bench import bench
+from facecrf_ocio.cli.bench_command import bench
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.joint import shipped_joint
 from facecrf_ocio.joint.statistics import CUES

@@ -14,13 +14,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from facecrf_ocio.benchmark.camera import (
-    FULL_WELL_ISO_100,
-    READ_NOISE,
-    Encoding,
-    count_codes,
-    take_photo,
-)
 from facecrf_ocio.benchmark.cases import choose_estimators
 from facecrf_ocio.benchmark.folds import (
     GUARD_ROWS,
@@ -30,6 +23,13 @@ from facecrf_ocio.benchmark.folds import (
 )
 from facecrf_ocio.benchmark.images import find_linear_images
 from facecrf_ocio.benchmark.responses import Responses, read_responses, spread_rows
+from facecrf_ocio.benchmark.virtual_camera import (
+    FULL_WELL_ISO_100,
+    READ_NOISE,
+    Encoding,
+    count_codes,
+    take_photo,
+)
 from facecrf_ocio.errors import PhotoError, SettingsError
 from facecrf_ocio.response.fixed import FIXED_CURVES
 from facecrf_ocio.settings import ESTIMATOR_NAMES

@@ -7,7 +7,7 @@ import json
 from click.testing import CliRunner
 
 from facecrf_ocio.benchmark.tables import LEGEND
-from facecrf_ocio.cli_bench import bench
+from facecrf_ocio.cli.bench_command import bench
 
 RUN = {
     "images": {"a.exr": "0", "b.exr": "1"},

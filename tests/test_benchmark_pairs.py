@@ -10,8 +10,8 @@ import OpenImageIO as oiio  # noqa: N813
 import pytest
 from click.testing import CliRunner
 
-from facecrf_ocio.benchmark.pairs import find_pairs
-from facecrf_ocio.cli import main
+from facecrf_ocio.benchmark.table2 import find_pairs
+from facecrf_ocio.cli.facecrf import main
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.synthetic import SyntheticSpec, gamma_curve, photograph, render_face
 

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from photo_files import write_spi1d
 
 from facecrf_ocio.benchmark.speed import PAIRS, measure_speed
-from facecrf_ocio.cli import main
+from facecrf_ocio.cli.facecrf import main
 
 
 @pytest.fixture(scope="module")

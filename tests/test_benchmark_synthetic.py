@@ -11,17 +11,17 @@ import OpenImageIO as oiio  # noqa: N813
 import pytest
 from click.testing import CliRunner
 
-from facecrf_ocio.benchmark import pool, workbench
-from facecrf_ocio.benchmark.camera import Encoding
+from facecrf_ocio.benchmark import bench_processes, workbench
 from facecrf_ocio.benchmark.cases import Case, Plan, Task, choose_estimators
 from facecrf_ocio.benchmark.folds import training_rows
 from facecrf_ocio.benchmark.images import find_linear_images
 from facecrf_ocio.benchmark.responses import read_responses, spread_rows
 from facecrf_ocio.benchmark.store import Store
-from facecrf_ocio.benchmark.synthetic import run_synthetic
+from facecrf_ocio.benchmark.table1 import run_synthetic
 from facecrf_ocio.benchmark.tables import summarize
+from facecrf_ocio.benchmark.virtual_camera import Encoding
 from facecrf_ocio.benchmark.workbench import Result, Workbench
-from facecrf_ocio.cli_bench import bench
+from facecrf_ocio.cli.bench_command import bench
 from facecrf_ocio.errors import FaceCRFError
 from facecrf_ocio.response.model import dorf_model, strictly_increasing
 from facecrf_ocio.settings import Settings
@@ -161,7 +161,7 @@ def test_interrupted_and_resumed_by_two_processes_gives_the_same_bytes(whole, pl
 
 @pytest.mark.slow
 def test_a_package_edited_meanwhile_stores_nothing(plan, tmp_path, monkeypatch):
-    monkeypatch.setattr(pool, "code_digest", lambda: "as it was when the run began")
+    monkeypatch.setattr(bench_processes, "code_digest", lambda: "as it was when the run began")
     with pytest.raises(FaceCRFError, match="the package was changed"):
         run_synthetic(plan, tmp_path)
     assert not (tmp_path / "cases.jsonl").exists()
@@ -171,7 +171,7 @@ def test_a_package_edited_meanwhile_stores_nothing(plan, tmp_path, monkeypatch):
 def test_a_finished_bench_measures_nothing_again(whole, faces, curves, monkeypatch):
     folder, _ = whole
     before = made(folder)
-    monkeypatch.setattr(pool, "ProcessPoolExecutor", None)
+    monkeypatch.setattr(bench_processes, "ProcessPoolExecutor", None)
     assert command(faces, curves, folder, "--estimators", "face").exit_code == 0
     assert made(folder) == before
 

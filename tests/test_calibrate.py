@@ -9,8 +9,9 @@ import pytest
 from skin_truth import SPECS
 
 from facecrf_ocio import Photo, calibrate
-from facecrf_ocio.cues.face import analyze_face, cut_face
 from facecrf_ocio.errors import NotCalibratedError, SettingsError
+from facecrf_ocio.face.view import cut_face
+from facecrf_ocio.published.face_estimator import analyze_face
 from facecrf_ocio.response.fixed import FIXED_CURVES, fixed_curve
 from facecrf_ocio.response.model import CURVE_SIZE, dorf_model
 from facecrf_ocio.settings import ESTIMATOR_NAMES, FALLBACKS, Settings

@@ -26,13 +26,14 @@ from photo_files import (
 from PIL import Image
 
 from facecrf_ocio import __version__, read_photo
-from facecrf_ocio.cli_calibrate import FORMAT_NAMES
-from facecrf_ocio.cli_options import COMPRESSIONS
+from facecrf_ocio.cli.calibrate_command import FORMAT_NAMES
+from facecrf_ocio.cli.options import COMPRESSIONS
+from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
+from facecrf_ocio.color.working_space import WORKING_SPACES, working_space_matrix
 from facecrf_ocio.errors import OutputError
-from facecrf_ocio.export import FORMATS, read_sidecar
-from facecrf_ocio.export.atomic import Draft
-from facecrf_ocio.export.working_space import WORKING_SPACES, working_space_matrix
-from facecrf_ocio.profile import KNOWN_PRIMARIES
+from facecrf_ocio.files.atomic import Draft
+from facecrf_ocio.lut.write import FORMATS
+from facecrf_ocio.record.sidecar import read_sidecar
 
 DONE, FAILED, USAGE, UNREADABLE, NOTHING = range(5)
 ALL = {"a.spi1d", "a.cube", "a.clf", "a.crf.json"}
@@ -65,7 +66,7 @@ class TestHelp:
             *("OpenImageIO", "PyOpenColorIO", "rawpy"),
         }
         code = (
-            "import sys\nfrom facecrf_ocio.cli import main\n"
+            "import sys\nfrom facecrf_ocio.cli.facecrf import main\n"
             "main(['--help'], standalone_mode=False)\n"
             f"print('LOADED', *({heavy!r} & set(sys.modules)))"
         )
@@ -259,7 +260,8 @@ class TestExistingFiles:
             raise OutputError("a.crf.png: the disk is full; free some space")
 
         monkeypatch.setattr(
-            "facecrf_ocio.report.plot.plot_draft", lambda path, *_: Draft(path, b"PNG", refuse)
+            "facecrf_ocio.plots.calibration_plot.plot_draft",
+            lambda path, *_: Draft(path, b"PNG", refuse),
         )
         ended = facecrf("calibrate", photo, "-o", out, "--plot", *BLIND)
         assert (ended.code, ended.out) == (FAILED, "")

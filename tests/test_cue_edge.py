@@ -9,16 +9,16 @@ from differences import directional_slopes
 from hypothesis import given
 from hypothesis import strategies as st
 
-from facecrf_ocio.cues import edge_patches
-from facecrf_ocio.cues.edge import edge_cue
-from facecrf_ocio.cues.edge_patches import find_edge_patches, gather_blends
-from facecrf_ocio.cues.evidence import Evidence, Lacking
-from facecrf_ocio.energy.color_blend import ColorBlend, EdgeBlends
-from facecrf_ocio.energy.empirical import Empirical
-from facecrf_ocio.energy.monotonicity import Monotonicity
+from facecrf_ocio.published import edge_patches
+from facecrf_ocio.published.answer import Evidence
+from facecrf_ocio.published.edge import edge_cue
+from facecrf_ocio.published.edge_patches import find_edge_patches, gather_blends
+from facecrf_ocio.published.energy.color_blend import ColorBlend, EdgeBlends
+from facecrf_ocio.published.energy.empirical import Empirical
+from facecrf_ocio.published.energy.monotonicity import Monotonicity
+from facecrf_ocio.published.solve import Weighted, solve
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.solve import Weighted, solve
-from facecrf_ocio.values import Photo
+from facecrf_ocio.values import Lacking, Photo
 
 SETTINGS = Settings()
 seeds = st.integers(0, 10_000)

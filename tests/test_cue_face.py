@@ -22,12 +22,12 @@ from skin_truth import (
     unit,
 )
 
-from facecrf_ocio.cues.evidence import Evidence, Lacking
-from facecrf_ocio.cues.face import face_cue, pigment_evidence
-from facecrf_ocio.energy.pigment import SkinPigment
+from facecrf_ocio.published.answer import Evidence
+from facecrf_ocio.published.energy.pigment import SkinPigment
+from facecrf_ocio.published.face_estimator import face_cue, pigment_evidence
 from facecrf_ocio.response.model import dorf_model
 from facecrf_ocio.synthetic import Light, encode, gamma_curve, render_face
-from facecrf_ocio.values import Photo
+from facecrf_ocio.values import Lacking, Photo
 
 TRUE = np.tile(GRID**2.2, (3, 1))
 SMALL = replace(SPECS[1], height=320, width=260, face_width=160.0)

@@ -8,18 +8,18 @@ from blend_scene import GAMMA22, GRID, MEAN, MODEL, photograph, plausible_curves
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from facecrf_ocio.cues.evidence import FittedCurve, Lacking
-from facecrf_ocio.cues.geometry_invariant import (
+from facecrf_ocio.published.answer import FittedCurve
+from facecrf_ocio.published.energy.log_slope import INTERVALS, log_slope_prior
+from facecrf_ocio.published.geometry_invariant import (
     Levels,
     curve_from_invariants,
     geometry_invariant_cue,
     invariant_levels,
 )
-from facecrf_ocio.cues.planar_points import PlanarPoints, planar_points
-from facecrf_ocio.energy.log_slope import INTERVALS, log_slope_prior
+from facecrf_ocio.published.planar_points import PlanarPoints, planar_points
 from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.values import Photo
+from facecrf_ocio.values import Lacking, Photo
 
 SRGB = np.tile(fixed_curve("srgb", GRID, MODEL), (3, 1))
 PATCH = 48

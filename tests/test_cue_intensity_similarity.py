@@ -8,8 +8,8 @@ from blend_scene import GAMMA22, GRID, MEAN, MODEL, photograph, plausible_curves
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from facecrf_ocio.cues.evidence import FittedCurve, Lacking
-from facecrf_ocio.cues.intensity_similarity import (
+from facecrf_ocio.published.answer import FittedCurve
+from facecrf_ocio.published.intensity_similarity import (
     BLOCK,
     intensity_similarity_cue,
     noise_levels,
@@ -18,7 +18,7 @@ from facecrf_ocio.cues.intensity_similarity import (
 )
 from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.values import Photo
+from facecrf_ocio.values import Lacking, Photo
 
 SRGB = np.tile(fixed_curve("srgb", GRID, MODEL), (3, 1))
 

@@ -9,13 +9,13 @@ from differences import directional_slopes
 from hypothesis import given
 from hypothesis import strategies as st
 
-from facecrf_ocio.cues.edge_patches import find_edge_patches, gather_blends
-from facecrf_ocio.cues.evidence import FittedCurve, Lacking
-from facecrf_ocio.cues.rank import DEGREE, fit_polynomials, polynomial_basis, rank_cue
-from facecrf_ocio.energy.color_blend import ColorBlend, EdgeBlends
-from facecrf_ocio.energy.rank_blend import BlendRank
+from facecrf_ocio.published.answer import FittedCurve
+from facecrf_ocio.published.edge_patches import find_edge_patches, gather_blends
+from facecrf_ocio.published.energy.color_blend import ColorBlend, EdgeBlends
+from facecrf_ocio.published.energy.rank_blend import BlendRank
+from facecrf_ocio.published.rank import DEGREE, fit_polynomials, polynomial_basis, rank_cue
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.values import Photo
+from facecrf_ocio.values import Lacking, Photo
 
 SETTINGS = Settings()
 IDENTITY = np.tile(GRID, (3, 1))

@@ -12,7 +12,7 @@ from command_line import CommandLine, names_in
 from matplotlib import cbook
 from photo_files import oiiotool, pixels_of
 
-from facecrf_ocio.export import read_sidecar
+from facecrf_ocio.record.sidecar import read_sidecar
 
 LUTS = ("grace_hopper.spi1d", "grace_hopper.cube", "grace_hopper.clf")
 FILES = {*LUTS, "grace_hopper.crf.json", "grace_hopper.crf.png", "grace_hopper.exr"}

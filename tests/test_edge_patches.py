@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from blend_scene import CELL, GAMMA22, GRID, linear_scene, photograph, sharpened
 
-from facecrf_ocio.cues import edge_patches
-from facecrf_ocio.cues.edge_patches import (
+from facecrf_ocio.published import edge_patches
+from facecrf_ocio.published.edge_patches import (
     INNER,
     MAX_BLENDS,
     MIN_BLENDS,
@@ -16,7 +16,7 @@ from facecrf_ocio.cues.edge_patches import (
     find_edge_patches,
     gather_blends,
 )
-from facecrf_ocio.cues.edge_selection import CODE_BINS, select_patches
+from facecrf_ocio.published.edge_selection import CODE_BINS, select_patches
 
 LINEAR, COLORS = linear_scene(rows=4, columns=6)
 PHOTO = photograph(LINEAR, GAMMA22)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.stats import multivariate_normal
 
-from facecrf_ocio.energy.empirical import Empirical
+from facecrf_ocio.published.energy.empirical import Empirical
 from facecrf_ocio.response.dorf import read_dorf_inverse
 from facecrf_ocio.response.model import dorf_model
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from facecrf_ocio.energy.log_slope import (
+from facecrf_ocio.published.energy.log_slope import (
     CENTERS,
     INTERVALS,
     curve_of,

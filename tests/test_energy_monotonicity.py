@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from facecrf_ocio.energy.monotonicity import Monotonicity
+from facecrf_ocio.published.energy.monotonicity import Monotonicity
 from facecrf_ocio.response.model import strictly_increasing
 
 wild = arrays(float, (3, 30), elements=st.floats(-1.0, 1.0))

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from facecrf_ocio.energy.log_slope import CENTERS, INTERVALS, curve_of, log_slope_prior
-from facecrf_ocio.energy.noise import NoiseLevels, exact_moments, fit_noise
+from facecrf_ocio.published.energy.log_slope import CENTERS, INTERVALS, curve_of, log_slope_prior
+from facecrf_ocio.published.energy.noise_symmetry import NoiseLevels, exact_moments, fit_noise
 from facecrf_ocio.response.model import dorf_model
 
 MODEL = dorf_model()

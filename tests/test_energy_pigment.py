@@ -9,9 +9,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from facecrf_ocio.energy.pigment import PigmentEvidence, SkinPigment, balanced_ratio, singular_ratio
+from facecrf_ocio.published.energy.pigment import (
+    PigmentEvidence,
+    SkinPigment,
+    balanced_ratio,
+    singular_ratio,
+)
 from facecrf_ocio.response.model import dorf_model
-from facecrf_ocio.synthetic.skin import DIRECTIONS
+from facecrf_ocio.synthetic.skin_layers import DIRECTIONS
 
 SIZE = 256
 GRID = np.linspace(0.0, 1.0, SIZE)

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from facecrf_ocio.energy.sampling import Sampling
+from facecrf_ocio.published.energy.sampling import Sampling
 
 sizes = st.integers(2, 50)
 points = arrays(float, st.tuples(st.just(3), st.integers(1, 20)), elements=st.floats(0.0, 1.0))

@@ -14,8 +14,8 @@ import pytest
 from privileges import without_privileges
 
 from facecrf_ocio.errors import OutputError
-from facecrf_ocio.export import FORMATS
-from facecrf_ocio.export.atomic import Draft, write_files
+from facecrf_ocio.files.atomic import Draft, write_files
+from facecrf_ocio.lut.write import FORMATS
 
 
 def accept(path: Path) -> None:
@@ -221,7 +221,7 @@ import resource, sys
 from pathlib import Path
 import numpy as np
 from facecrf_ocio.errors import OutputError
-from facecrf_ocio.export import write_lut
+from facecrf_ocio.lut.write import write_lut
 from facecrf_ocio.values import InverseCRF
 codes = np.linspace(0, 1, 4096)
 resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))

@@ -10,10 +10,10 @@ import PyOpenColorIO as ocio  # noqa: N813
 import pytest
 from command_line import CommandLine, names_in, write_noise
 
+from facecrf_ocio.color.primaries import known_primaries
+from facecrf_ocio.color.working_space import working_space_matrix
 from facecrf_ocio.errors import LutError, OutputError, SettingsError
-from facecrf_ocio.export import write_lut
-from facecrf_ocio.export.working_space import working_space_matrix
-from facecrf_ocio.profile import known_primaries
+from facecrf_ocio.lut.write import write_lut
 from facecrf_ocio.values import InverseCRF
 
 NODES = np.linspace(0.0, 1.0, 4096)

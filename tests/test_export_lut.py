@@ -16,8 +16,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from facecrf_ocio.errors import LutError, OutputError, SettingsError
-from facecrf_ocio.export import FORMATS, lut, verify_lut, write_lut
-from facecrf_ocio.export.recipe import Recipe
+from facecrf_ocio.lut import write as lut
+from facecrf_ocio.lut.read_back import verify_lut
+from facecrf_ocio.lut.transform import Recipe
+from facecrf_ocio.lut.write import FORMATS, write_lut
 from facecrf_ocio.values import InverseCRF
 
 NODES = np.linspace(0.0, 1.0, 4096)

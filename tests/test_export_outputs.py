@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 
 from facecrf_ocio.errors import LutError, OutputError
-from facecrf_ocio.export import (
-    lut,
+from facecrf_ocio.lut import write as lut
+from facecrf_ocio.record.outputs import (
     output_paths,
-    read_sidecar,
     require_distinct_names,
     require_outputs_free,
     write_outputs,
 )
+from facecrf_ocio.record.sidecar import read_sidecar
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Confidence, Estimate, InverseCRF, Outcome, Photo, Verdict
 
@@ -165,7 +165,10 @@ def test_any_name_of_a_photo_will_do(name: str, tmp_path: Path) -> None:
 
 
 def test_exporting_needs_no_image_or_optimization_library() -> None:
-    code = "import sys, facecrf_ocio.export; print(*sorted(m for m in sys.modules if '.' not in m))"
+    code = (
+        "import sys, facecrf_ocio.record.outputs\n"
+        "print(*sorted(m for m in sys.modules if '.' not in m))"
+    )
     listed = subprocess.run(
         [sys.executable, "-c", code], check=True, capture_output=True, text=True
     )

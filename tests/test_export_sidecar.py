@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from facecrf_ocio.errors import LutError, OutputError
-from facecrf_ocio.export import read_sidecar, write_sidecar
-from facecrf_ocio.export.sampled import TOLERANCE, read_rows, thinned
+from facecrf_ocio.record.sampled import TOLERANCE, read_rows, thinned
+from facecrf_ocio.record.sidecar import read_sidecar, write_sidecar
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import (
     Camera,

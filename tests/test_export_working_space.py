@@ -8,9 +8,9 @@ import numpy as np
 import PyOpenColorIO as ocio  # noqa: N813
 import pytest
 
+from facecrf_ocio.color.primaries import known_primaries
+from facecrf_ocio.color.working_space import WORKING_SPACES, working_space_matrix
 from facecrf_ocio.errors import SettingsError
-from facecrf_ocio.export.working_space import WORKING_SPACES, working_space_matrix
-from facecrf_ocio.profile import known_primaries
 from facecrf_ocio.values import Primaries
 
 # OCIO's names for our primaries and working spaces.

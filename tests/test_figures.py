@@ -10,9 +10,14 @@ import pytest
 from click.testing import CliRunner
 from PIL import Image
 
-from facecrf_ocio.benchmark.figures import Profile, compare, gamma_profile, highlight_profile
-from facecrf_ocio.cli_bench import bench
-from facecrf_ocio.report.figures import curves_figure, png, profile_figure
+from facecrf_ocio.benchmark.energy_profiles import (
+    Profile,
+    compare,
+    gamma_profile,
+    highlight_profile,
+)
+from facecrf_ocio.benchmark.paper_figures import curves_figure, png, profile_figure
+from facecrf_ocio.cli.bench_command import bench
 from facecrf_ocio.response.model import dorf_model
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Photo

@@ -15,7 +15,7 @@ import pytest
 from host_environments import blender_python, host_python
 from host_luts import CASES, make_host_luts
 
-from facecrf_ocio.cli import main
+from facecrf_ocio.cli.facecrf import main
 
 pytestmark = pytest.mark.slow
 HERE = Path(__file__).parent

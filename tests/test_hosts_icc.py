@@ -12,7 +12,7 @@ import pytest
 from host_luts import estimated_curve
 from PIL import Image
 
-from facecrf_ocio.export import write_lut
+from facecrf_ocio.lut.write import write_lut
 
 pytestmark = pytest.mark.slow
 

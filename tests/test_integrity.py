@@ -11,7 +11,7 @@ from photo_files import HEIGHT, WIDTH, enlarge_header, random_codes
 from PIL import Image
 
 from facecrf_ocio.errors import PhotoError
-from facecrf_ocio.read import read_photo
+from facecrf_ocio.photo.read import read_photo
 
 
 class TestBadInput:

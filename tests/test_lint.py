@@ -14,10 +14,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import ImageCms
 
+from facecrf_ocio.color.working_space import WORKING_SPACES
 from facecrf_ocio.errors import LutError
-from facecrf_ocio.export import FORMATS, write_lut
-from facecrf_ocio.export.working_space import WORKING_SPACES
-from facecrf_ocio.lint import lint
+from facecrf_ocio.lut.lint import lint
+from facecrf_ocio.lut.write import FORMATS, write_lut
 from facecrf_ocio.response.model import dorf_model, strictly_increasing
 from facecrf_ocio.values import InverseCRF
 
@@ -264,7 +264,7 @@ def test_what_cannot_be_read_is_an_error(tmp_path: Path) -> None:
 def test_the_command_tells_and_ends_by_severity(name: str, code: int, tmp_path: Path) -> None:
     file, text, *_ = BROKEN[name]
     (tmp_path / file).write_text(text)
-    run = "from facecrf_ocio.cli_lint import lint; lint()"
+    run = "from facecrf_ocio.cli.lint_command import lint; lint()"
     arguments = [sys.executable, "-c", run, "--json", str(tmp_path / file)]
     ended = subprocess.run(arguments, capture_output=True, text=True, check=False)
     assert ended.returncode == code

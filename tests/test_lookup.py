@@ -12,11 +12,11 @@ import PyOpenColorIO as ocio  # noqa: N813
 import pytest
 from photo_files import CURVE, GRID, write_spi1d
 
-import facecrf_ocio.lookup
+import facecrf_ocio.image.lookup
 from facecrf_ocio.errors import LutError, SettingsError
-from facecrf_ocio.export import write_lut
-from facecrf_ocio.lookup import HALF_MAX, Lookup, curve_lookup
-from facecrf_ocio.lut_file import lut_lookup
+from facecrf_ocio.image.lookup import HALF_MAX, Lookup, curve_lookup
+from facecrf_ocio.image.lut_lookup import lut_lookup
+from facecrf_ocio.lut.write import write_lut
 from facecrf_ocio.values import InverseCRF
 
 Pixels = npt.NDArray[Any]
@@ -183,7 +183,7 @@ class TestWithoutTablesOf16Bits:
     ) -> None:
         pixels = every_code(dtype, 4)
         expected = curve_lookup(CURVE).apply(pixels, dtype=kind)
-        monkeypatch.setattr(facecrf_ocio.lookup, "_opencv_looks_up_16_bits", lambda: False)
+        monkeypatch.setattr(facecrf_ocio.image.lookup, "_opencv_looks_up_16_bits", lambda: False)
         found = curve_lookup(CURVE).apply(pixels, dtype=kind)
         assert np.array_equal(found, expected, equal_nan=True)
 

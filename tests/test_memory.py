@@ -26,8 +26,8 @@ WORK = """
 import sys
 from pathlib import Path
 from facecrf_ocio import calibrate, read_photo
-from facecrf_ocio.archive.worker import warm_up
-from facecrf_ocio.linearize import write_linear
+from facecrf_ocio.archive.work.one_photo import warm_up
+from facecrf_ocio.image.linearize import write_linear
 warm_up()
 photo = read_photo(sys.argv[1])
 estimate = calibrate(photo, estimator="auto")

@@ -17,7 +17,7 @@ from facecrf_ocio import calibrate, read_photo
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[1]
 EXTENSION = ROOT / "nodes" / "blender"
-FACECRF = "import sys; from facecrf_ocio.cli import main; sys.argv[0] = 'facecrf'; main()"
+FACECRF = "import sys; from facecrf_ocio.cli.facecrf import main; sys.argv[0] = 'facecrf'; main()"
 # A formula, one curve estimated for all channels, and a curve estimated for each.
 ESTIMATORS = ("srgb", "joint", "face")
 TOLERANCE = 2e-5

@@ -25,10 +25,10 @@ from photo_files import (
 )
 from PIL import Image
 
+from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
 from facecrf_ocio.errors import LutError, PhotoError, SettingsError
-from facecrf_ocio.export import write_lut
-from facecrf_ocio.lut_file import lut_lookup
-from facecrf_ocio.profile import KNOWN_PRIMARIES
+from facecrf_ocio.image.lut_lookup import lut_lookup
+from facecrf_ocio.lut.write import write_lut
 
 NODE = Path(__file__).parents[1] / "nodes" / "oiio"
 sys.path.insert(0, str(NODE))

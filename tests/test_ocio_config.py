@@ -16,11 +16,11 @@ from command_line import CommandLine
 from PIL import Image
 from privileges import without_privileges
 
+from facecrf_ocio.color.primaries import known_primaries
+from facecrf_ocio.color.working_space import working_space_matrix
 from facecrf_ocio.errors import LutError, OutputError, SettingsError
-from facecrf_ocio.export import write_outputs
-from facecrf_ocio.export.working_space import working_space_matrix
 from facecrf_ocio.ocio_config import VARIABLE_SPACE, PhotoLut, name_luts, write_config
-from facecrf_ocio.profile import known_primaries
+from facecrf_ocio.record.outputs import write_outputs
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Estimate, InverseCRF, Outcome, Photo
 

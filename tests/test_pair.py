@@ -11,17 +11,17 @@ from click.testing import CliRunner
 from photo_files import write_dng
 from PIL import Image
 
-from facecrf_ocio.apply import apply_lut
-from facecrf_ocio.cli import main
+from facecrf_ocio.cli.facecrf import main
+from facecrf_ocio.color.working_space import working_space_matrix
 from facecrf_ocio.errors import PhotoError
-from facecrf_ocio.export.sidecar import read_sidecar
-from facecrf_ocio.export.working_space import working_space_matrix
+from facecrf_ocio.image.apply import apply_lut
 from facecrf_ocio.pair.align import align
 from facecrf_ocio.pair.calibrate_pair import calibrate_pair
 from facecrf_ocio.pair.extrapolate import continued
-from facecrf_ocio.pair.fit import fit_channel
-from facecrf_ocio.pair.samples import Samples
-from facecrf_ocio.read import read_photo
+from facecrf_ocio.pair.fit_channel import fit_channel
+from facecrf_ocio.pair.flat_pixels import Samples
+from facecrf_ocio.photo.read import read_photo
+from facecrf_ocio.record.sidecar import read_sidecar
 from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import dorf_model
 from facecrf_ocio.values import Photo, Verdict

@@ -12,12 +12,13 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from facecrf_ocio.calibrate import calibrate
-from facecrf_ocio.cues.face import AnalyzedFace, FaceView
 from facecrf_ocio.errors import NotCalibratedError, OutputError
-from facecrf_ocio.report import plot
-from facecrf_ocio.report.plot import dimmed_face, pair_positions, plot_draft, write_plot
+from facecrf_ocio.face.skin_mask import SkinMask
+from facecrf_ocio.face.view import FaceView
+from facecrf_ocio.plots import calibration_plot
+from facecrf_ocio.plots.calibration_plot import dimmed_face, pair_positions, plot_draft, write_plot
+from facecrf_ocio.published.face_estimator import AnalyzedFace
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.skin.mask import SkinMask
 from facecrf_ocio.synthetic import gamma_curve
 from facecrf_ocio.values import Estimate, Face, Photo, PigmentGradients
 
@@ -49,7 +50,7 @@ class TestParts:
         face = analyzed_face()
         picture, diffuse = dimmed_face(face), face.mask.diffuse
         assert np.array_equal(picture[diffuse], NOISE[diffuse])
-        assert np.allclose(picture[~diffuse], plot.DIMMED * NOISE[~diffuse])
+        assert np.allclose(picture[~diffuse], calibration_plot.DIMMED * NOISE[~diffuse])
 
     def test_pairs_lie_between_their_pixels(self) -> None:
         melanin, hemoglobin = pair_positions(analyzed_face())
@@ -118,8 +119,8 @@ class TestFigures:
             confidence=found.confidence,
             faces=(face.view.face,),
         )
-        monkeypatch.setattr(plot, "cut_face", lambda *_: face.view)
-        monkeypatch.setattr(plot, "analyze_face", lambda *_: face)
+        monkeypatch.setattr(calibration_plot, "cut_face", lambda *_: face.view)
+        monkeypatch.setattr(calibration_plot, "analyze_face", lambda *_: face)
         panels = self.drawn(monkeypatch, photo, estimate)
         lines = panels["inverse camera response"].get_lines()
         labels = [line.get_label() for line in lines]

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from photo_files import matrix_profile, random_codes, write
 from PIL import Image, ImageCms
 
-from facecrf_ocio.profile import KNOWN_PRIMARIES, icc_is_linear, primaries_from_icc
-from facecrf_ocio.read import read_photo
+from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
+from facecrf_ocio.photo.profile import icc_is_linear, primaries_from_icc
+from facecrf_ocio.photo.read import read_photo
 
 
 class TestPrimaries:

@@ -10,7 +10,7 @@ import pytest
 from photo_files import write_dng
 
 from facecrf_ocio.errors import PhotoError
-from facecrf_ocio.read import read_photo
+from facecrf_ocio.photo.read import read_photo
 
 
 class TestCameraRaw:

@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from photo_files import HEIGHT, WIDTH, matrix_profile, random_codes, write
 from PIL import Image, ImageOps
 
+from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
 from facecrf_ocio.errors import PhotoError
-from facecrf_ocio.pixels import code_values
-from facecrf_ocio.profile import KNOWN_PRIMARIES
-from facecrf_ocio.read import read_photo
+from facecrf_ocio.photo.pixels import code_values
+from facecrf_ocio.photo.read import read_photo
 
 ORIENTATION = 0x0112
 

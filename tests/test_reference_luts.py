@@ -28,7 +28,7 @@ def test_the_script_makes_them_again(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_they_are_clean(name: str) -> None:
-    run = "from facecrf_ocio.cli_lint import lint; lint()"
+    run = "from facecrf_ocio.cli.lint_command import lint; lint()"
     file = PROJECT / "luts" / f"{name}.spi1d"
     ended = subprocess.run([sys.executable, "-c", run, file], capture_output=True, check=False)
     assert (ended.returncode, ended.stdout) == (0, b"")

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from facecrf_ocio.errors import PhotoError
-from facecrf_ocio.response import fit
+from facecrf_ocio.response import fit_model
 from facecrf_ocio.response.dorf import GRID_SIZE, read_dorf_inverse
 from facecrf_ocio.response.model import (
     CURVE_SIZE,
@@ -57,7 +57,7 @@ def test_there_are_201_curves_that_rise_from_0_to_1(dorf):
 
 def test_the_shipped_model_is_the_fit_script_s(development_data, tmp_path):
     source = str(development_data / "crf" / "dorf_201_curves.mat")
-    assert fit.main([source, str(tmp_path / "model.npz")]) == 0
+    assert fit_model.main([source, str(tmp_path / "model.npz")]) == 0
     made, shipped = load_model(tmp_path / "model.npz"), dorf_model()
     for name in ARRAYS:
         assert np.abs(getattr(made, name) - getattr(shipped, name)).max() < 1e-6
@@ -67,7 +67,7 @@ def test_the_shipped_model_is_the_fit_script_s(development_data, tmp_path):
 
 
 def test_the_fit_script_tells_its_usage(capsys):
-    assert fit.main([]) == 2
+    assert fit_model.main([]) == 2
     assert "dorf.mat model.npz" in capsys.readouterr().err
 
 

@@ -6,8 +6,8 @@ from dataclasses import FrozenInstanceError, fields, replace
 
 import pytest
 
-from facecrf_ocio.cues.registry import CUES
 from facecrf_ocio.errors import SettingsError
+from facecrf_ocio.published.registry import CUES
 from facecrf_ocio.response.fixed import FIXED_CURVES
 from facecrf_ocio.settings import ESTIMATOR_NAMES, FALLBACKS, Settings
 

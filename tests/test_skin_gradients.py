@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from facecrf_ocio.published.gradients import single_pigment_pairs
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.skin.gradients import single_pigment_pairs
 from facecrf_ocio.values import Pigments
 
 SETTINGS = Settings()

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from facecrf_ocio.published.intrinsic import prepare_decomposition
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.skin.intrinsic import prepare_decomposition
 
 SETTINGS = replace(Settings(), albedo_weight=1.3, shading_weight=0.2, nonlocal_weight=0.7)
 STEP = np.sin(np.radians(SETTINGS.normal_threshold))

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
+from facecrf_ocio.face.skin_mask import BLACK, CLIPPED, find_skin
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.skin.mask import BLACK, CLIPPED, find_skin
 from facecrf_ocio.synthetic import Light, SyntheticSpec, gamma_curve, photograph, render_face
 
 SETTINGS = Settings()

@@ -10,8 +10,8 @@ from skin_truth import unit
 from sklearn.decomposition import FastICA
 from sklearn.exceptions import ConvergenceWarning
 
-from facecrf_ocio.skin.pigments import separate_pigments
-from facecrf_ocio.synthetic.skin import DIRECTIONS
+from facecrf_ocio.published.pigments import separate_pigments
+from facecrf_ocio.synthetic.skin_layers import DIRECTIONS
 
 SIDE = 70
 BASE = np.array([-0.9, -1.5, -1.8])

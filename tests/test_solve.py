@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from differences import directional_slopes
 
-from facecrf_ocio.energy.empirical import Empirical
-from facecrf_ocio.energy.monotonicity import Monotonicity
+from facecrf_ocio.published.energy.empirical import Empirical
+from facecrf_ocio.published.energy.monotonicity import Monotonicity
+from facecrf_ocio.published.solve import Weighted, objective, solve
 from facecrf_ocio.response.model import dorf_model
-from facecrf_ocio.solve import Weighted, objective, solve
 
 MODEL = dorf_model()
 COEFFICIENTS = np.random.default_rng(0).normal(0.0, [2.0, 0.5, 0.2, 0.1, 0.05], (3, 5))

@@ -12,10 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from facecrf_ocio import __version__
-from facecrf_ocio.archive.content import fingerprint_of, sha256_of
-from facecrf_ocio.archive.duplicates import from_twin, mark_duplicates
-from facecrf_ocio.archive.folders import make_folder
-from facecrf_ocio.archive.manifest import (
+from facecrf_ocio.archive.manifest.database import (
     DONE,
     GATHERED,
     STARTED,
@@ -25,14 +22,17 @@ from facecrf_ocio.archive.manifest import (
     Manifest,
     Stamp,
 )
-from facecrf_ocio.archive.pool import Limits, Pool
-from facecrf_ocio.archive.status import status_of
-from facecrf_ocio.archive.task import FAILED, GATHER, WHOLE, Recipe, Result, Task
+from facecrf_ocio.archive.manifest.duplicates import from_twin, mark_duplicates
 from facecrf_ocio.archive.walk import name_of
+from facecrf_ocio.archive.work.processes import Limits, Pool
+from facecrf_ocio.archive.work.status import status_of
+from facecrf_ocio.archive.work.task import FAILED, GATHER, WHOLE, Recipe, Result, Task
 from facecrf_ocio.errors import OutputError, PhotoError, reason_of
+from facecrf_ocio.files.content import fingerprint_of, sha256_of
+from facecrf_ocio.files.folders import make_folder
 
 if TYPE_CHECKING:
-    from facecrf_ocio.archive.scheduler import Cluster, ClusterPool
+    from facecrf_ocio.archive.work.dask_cluster import Cluster, ClusterPool
 
 LOCK = "facecrf-manifest.lock"
 TEMPORARY = ".facecrf-*"
@@ -129,7 +129,7 @@ def run(job: Job, photos: Iterable[Path], tell: Callable[[Event], None]) -> None
 def _pool(job: Job) -> Pool | ClusterPool:
     if job.cluster is None:
         return Pool(job.jobs, job.limits)
-    from facecrf_ocio.archive.scheduler import ClusterPool  # noqa: PLC0415 - heavy
+    from facecrf_ocio.archive.work.dask_cluster import ClusterPool  # noqa: PLC0415 - heavy
 
     return ClusterPool(job.cluster, job.limits, job.folder)
 
@@ -173,8 +173,8 @@ class _Run:
 
     def _write_waiting(self) -> None:
         # Only here, because they bring OpenCV and the networks into this process.
-        from facecrf_ocio.archive.settle import settle  # noqa: PLC0415
-        from facecrf_ocio.archive.waiting import waiting  # noqa: PLC0415
+        from facecrf_ocio.archive.cameras.settle import settle  # noqa: PLC0415
+        from facecrf_ocio.archive.manifest.waiting import waiting  # noqa: PLC0415
 
         def reopened(name: str, result: Result) -> None:
             self.tell(Event(name, result, fresh=False, step=REOPENED))

@@ -7,15 +7,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from facecrf_ocio.benchmark.truth import KnownFace, onto, unit
-from facecrf_ocio.cues.face import AnalyzedFace, FaceView, analyze_face, cut_face, pigment_evidence
-from facecrf_ocio.energy.empirical import Empirical
-from facecrf_ocio.energy.monotonicity import Monotonicity
-from facecrf_ocio.energy.pigment import PigmentEvidence, PullBack, SkinPigment
 from facecrf_ocio.face.detect import find_faces
+from facecrf_ocio.face.view import FaceView, cut_face
+from facecrf_ocio.published.energy.empirical import Empirical
+from facecrf_ocio.published.energy.monotonicity import Monotonicity
+from facecrf_ocio.published.energy.pigment import PigmentEvidence, PullBack, SkinPigment
+from facecrf_ocio.published.face_estimator import AnalyzedFace, analyze_face, pigment_evidence
+from facecrf_ocio.published.gradients import single_pigment_pairs
+from facecrf_ocio.published.solve import Weighted, solve
 from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.skin.gradients import single_pigment_pairs
-from facecrf_ocio.solve import Weighted, solve
 from facecrf_ocio.values import Float, InverseCRF, Photo, Pigments
 
 _WHOLLY_SKIN = 0.99

@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 
 from facecrf_ocio.benchmark.ablation import ABLATIONS, Ablation, ablate
-from facecrf_ocio.benchmark.camera import Encoding, count_codes, take_photo
 from facecrf_ocio.benchmark.cases import code_digest
 from facecrf_ocio.benchmark.folds import assign_folds, fit_held_out
 from facecrf_ocio.benchmark.metrics import score
@@ -20,10 +19,11 @@ from facecrf_ocio.benchmark.responses import Responses
 from facecrf_ocio.benchmark.store import Store
 from facecrf_ocio.benchmark.tables import csv_table, markdown_table
 from facecrf_ocio.benchmark.truth import KnownFace
+from facecrf_ocio.benchmark.virtual_camera import Encoding, count_codes, take_photo
 from facecrf_ocio.calibrate import calibrate
-from facecrf_ocio.export.atomic import Draft, write_files
-from facecrf_ocio.export.strict_json import dump
-from facecrf_ocio.export.versions import versions
+from facecrf_ocio.files.atomic import Draft, write_files
+from facecrf_ocio.files.strict_json import dump
+from facecrf_ocio.files.versions import versions
 from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Photo

@@ -11,32 +11,25 @@ from functools import cache
 from pathlib import Path
 
 import facecrf_ocio
-from facecrf_ocio.benchmark.camera import Encoding
 from facecrf_ocio.benchmark.folds import GUARD_ROWS, assign_folds
 from facecrf_ocio.benchmark.images import LinearImage
 from facecrf_ocio.benchmark.responses import Responses
+from facecrf_ocio.benchmark.virtual_camera import Encoding
 from facecrf_ocio.errors import SettingsError
-from facecrf_ocio.export.versions import versions
+from facecrf_ocio.files.versions import versions
 from facecrf_ocio.response.fixed import FIXED_CURVES
 from facecrf_ocio.settings import ESTIMATOR_NAMES, Settings
 from facecrf_ocio.values import Index
 
 HELD_OUT, PAPER = "held-out", "paper"
-# What may change without changing any result: it is no part of the digest of the code.
-_NOT_MEASURED = (
-    "apply.py",
-    "cli*.py",
-    "demo.py",
-    "linearize.py",
-    "pair/*",
-    "export/*",
-    "report/*",
-    "synthetic/*",
-)
-_NOT_MEASURED_HERE = (
-    *("ablation.py", "ablations.py", "cue_shares.py", "figures.py", "groups.py", "images.py"),
-    *("page.py", "pairs.py"),
-    *("pool.py", "store.py", "tables.py", "truth.py", "written.py"),
+# What a result depends on: the way from an array of code values to a curve, and the bench itself.
+_MEASURED = (
+    "*.py",
+    *(f"{room}/**/*.{kind}" for room in ("face", "joint", "published") for kind in ("py", "npz")),
+    *("response/*.py", "response/*.npz", "face/models/*.tflite", "face/models/*.onnx"),
+    *("photo/pixels.py", "color/primaries.py"),
+    *(f"benchmark/{name}.py" for name in ("cases", "folds", "joint_folds", "metrics", "responses")),
+    *("benchmark/virtual_camera.py", "benchmark/workbench.py", "benchmark/*.npz"),
 )
 
 
@@ -207,12 +200,8 @@ def choose_estimators(names: str) -> tuple[str, ...]:
 def code_digest() -> str:
     """Digest of the files of this package that a result depends on: code, models, weights."""
     root = Path(facecrf_ocio.__file__).parent
-    left_out = {path for pattern in _NOT_MEASURED for path in root.glob(pattern)}
-    left_out |= {root / "benchmark" / name for name in _NOT_MEASURED_HERE}
     total = hashlib.sha256()
-    for path in sorted(root.rglob("*")):
-        if path in left_out or "__pycache__" in path.parts or not path.is_file():
-            continue
+    for path in sorted({path for pattern in _MEASURED for path in root.glob(pattern)}):
         total.update(path.relative_to(root).as_posix().encode())
         total.update(hashlib.sha256(path.read_bytes()).digest())
     return total.hexdigest()

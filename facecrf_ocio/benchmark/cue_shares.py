@@ -16,8 +16,8 @@ from facecrf_ocio.benchmark.cases import HELD_OUT, Plan
 from facecrf_ocio.benchmark.joint_folds import joint_model
 from facecrf_ocio.benchmark.tables import csv_table, markdown_table
 from facecrf_ocio.benchmark.workbench import Workbench
-from facecrf_ocio.export.atomic import Draft, write_files
-from facecrf_ocio.export.strict_json import dump
+from facecrf_ocio.files.atomic import Draft, write_files
+from facecrf_ocio.files.strict_json import dump
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude
 from facecrf_ocio.joint.evidence import COVERAGE_BINS, Observation, observe
 from facecrf_ocio.joint.statistics import CUES

@@ -8,7 +8,7 @@ import numpy as np
 
 from facecrf_ocio.benchmark.responses import Responses
 from facecrf_ocio.errors import SettingsError
-from facecrf_ocio.response.fit import fit_model
+from facecrf_ocio.response.fit_model import fit_model
 from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.values import Index
 

@@ -15,10 +15,10 @@ import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813
 import PyOpenColorIO as ocio  # noqa: N813
 
-from facecrf_ocio.apply import linear_rows, write_exr
-from facecrf_ocio.lookup import Lookup, cores
-from facecrf_ocio.lut_file import described, lut_lookup, lut_processor
-from facecrf_ocio.read import read_photo
+from facecrf_ocio.image.apply import linear_rows, write_exr
+from facecrf_ocio.image.lookup import Lookup, cores
+from facecrf_ocio.image.lut_lookup import described, lut_lookup, lut_processor
+from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.values import Photo
 
 Pixels = npt.NDArray[Any]

@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.cues.face import FaceView
 from facecrf_ocio.errors import PhotoError
-from facecrf_ocio.read import open_image, read_photo
+from facecrf_ocio.face.view import FaceView
+from facecrf_ocio.photo.read import open_image, read_photo
 from facecrf_ocio.synthetic import SyntheticSpec, render_face
 from facecrf_ocio.values import Float
 

@@ -9,11 +9,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from facecrf_ocio.benchmark.camera import count_codes, take_photo
 from facecrf_ocio.benchmark.cases import HELD_OUT, Case, Plan, Task
 from facecrf_ocio.benchmark.folds import fit_held_out
 from facecrf_ocio.benchmark.joint_folds import joint_model
 from facecrf_ocio.benchmark.metrics import score
+from facecrf_ocio.benchmark.virtual_camera import count_codes, take_photo
 from facecrf_ocio.calibrate import calibrate
 from facecrf_ocio.joint import JointModel
 from facecrf_ocio.response.model import ResponseModel, dorf_model

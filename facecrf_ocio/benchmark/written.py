@@ -13,8 +13,8 @@ from facecrf_ocio.benchmark.tables import (
     timing_markdown,
 )
 from facecrf_ocio.benchmark.workbench import Result
-from facecrf_ocio.export.atomic import Draft, write_files
-from facecrf_ocio.export.strict_json import dump
+from facecrf_ocio.files.atomic import Draft, write_files
+from facecrf_ocio.files.strict_json import dump
 
 
 def write_tables(

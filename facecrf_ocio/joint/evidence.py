@@ -13,16 +13,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from facecrf_ocio.cues.evidence import Lacking
-from facecrf_ocio.cues.face import cut_face, lacking_faces
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.face.detect import find_faces
+from facecrf_ocio.face.view import cut_face, lacking_faces
 from facecrf_ocio.joint.messages import Networks, shipped_networks
 from facecrf_ocio.joint.metadata import modern_leaning
 from facecrf_ocio.joint.prior import Message
 from facecrf_ocio.joint.statistics import Statistics, face_statistics, photo_statistics
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.values import Face, Float, Photo
+from facecrf_ocio.values import Face, Float, Lacking, Photo
 
 COVERAGE_BINS = 64
 _COLOR = "use a color version, or --fallback mean"

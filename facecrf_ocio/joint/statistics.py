@@ -17,14 +17,14 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.cues.face import MIN_SKIN_PIXELS, FaceView
 from facecrf_ocio.face import regions
+from facecrf_ocio.face.skin_mask import find_skin
+from facecrf_ocio.face.view import MIN_SKIN_PIXELS, FaceView
 from facecrf_ocio.joint.grain import measure_noise, noise_curve
 from facecrf_ocio.joint.noise_counts import SECOND_DIFFERENCE, count_noise
 from facecrf_ocio.joint.texture import noise_character
-from facecrf_ocio.pixels import in_8_bits
+from facecrf_ocio.photo.pixels import in_8_bits
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.skin.mask import find_skin
 from facecrf_ocio.values import Float, frozen
 
 CUES = ("grain", "shading", "highlights", "pigments", "noise", "eyes")

@@ -2,7 +2,7 @@
 
 from facecrf_ocio.ocio_config.entries import Entry, name_luts
 from facecrf_ocio.ocio_config.find import PhotoLut, find_luts
-from facecrf_ocio.ocio_config.write import (
+from facecrf_ocio.ocio_config.write_config import (
     DEFAULT_PHOTO,
     MOST_SPACES,
     VARIABLE,

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from facecrf_ocio.errors import LutError, reason_of
-from facecrf_ocio.export.lut import split_ending
-from facecrf_ocio.export.sidecar import SUFFIX, Source, read_source
-from facecrf_ocio.lut_file import lut_processor
+from facecrf_ocio.image.lut_lookup import lut_processor
+from facecrf_ocio.lut.write import split_ending
+from facecrf_ocio.record.sidecar import SUFFIX, Source, read_source
 from facecrf_ocio.values import Primaries
 
 _SUFFIXES = (".spi1d", ".cube", ".clf", ".ctf", ".csp")

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import PyOpenColorIO as ocio  # noqa: N813
 
-from facecrf_ocio.export.working_space import (
+from facecrf_ocio.color.working_space import (
     WORKING_SPACES,
     rgb_to_xyz,
     working_primaries,

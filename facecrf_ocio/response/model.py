@@ -101,5 +101,5 @@ def load_model(path: Path) -> ResponseModel:
 
 @cache
 def dorf_model() -> ResponseModel:
-    """The model that ships: fitted to the 201 DoRF curves by `facecrf_ocio.response.fit`."""
+    """The model that ships: fitted to the 201 DoRF curves by `facecrf_ocio.response.fit_model`."""
     return load_model(Path(str(files("facecrf_ocio.response") / "dorf_model.npz")))

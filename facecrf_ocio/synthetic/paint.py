@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.synthetic.skin import TEXTURE_SIZE, to_texture
+from facecrf_ocio.synthetic.skin_layers import TEXTURE_SIZE, to_texture
 from facecrf_ocio.synthetic.spec import Color, Image, rgb
 from facecrf_ocio.values import Float
 

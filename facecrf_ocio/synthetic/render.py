@@ -13,7 +13,7 @@ from facecrf_ocio.synthetic.light import cast_shadow, reflect, shade
 from facecrf_ocio.synthetic.paint import HAIR_COLORS, FeaturePaint, paint_features
 from facecrf_ocio.synthetic.scene import FACE_VERTICES, Surface, pose_head, see, to_pixels
 from facecrf_ocio.synthetic.scenery import background, cloth_albedo, hair_albedo
-from facecrf_ocio.synthetic.skin import (
+from facecrf_ocio.synthetic.skin_layers import (
     DIRECTIONS,
     PigmentMaps,
     base_color,

@@ -13,11 +13,11 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.cues.face import FaceView, cut_face
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.face.detect import find_faces
+from facecrf_ocio.face.view import FaceView, cut_face
 from facecrf_ocio.joint.statistics import face_statistics, photo_statistics
-from facecrf_ocio.read import read_photo
+from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import dorf_model
 from facecrf_ocio.settings import Settings

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.benchmark.camera import FULL_WELL_ISO_100, READ_NOISE, through_jpeg
+from facecrf_ocio.benchmark.virtual_camera import FULL_WELL_ISO_100, READ_NOISE, through_jpeg
 
 _WHITE = 65535
 

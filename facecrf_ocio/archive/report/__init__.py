@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from facecrf_ocio.archive.report.write import Written, write_report
+from facecrf_ocio.archive.report.write_report import Written, write_report
 
 __all__ = ["Written", "write_report"]

@@ -13,13 +13,13 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageOps
 
-from facecrf_ocio.archive.report.curves import DrawnCurve, drawn
-from facecrf_ocio.archive.report.gather import Archive, Row
+from facecrf_ocio.archive.report.contents import Archive, Row
+from facecrf_ocio.archive.report.small_curves import DrawnCurve, drawn
 from facecrf_ocio.errors import FaceCRFError
-from facecrf_ocio.export.sidecar import SUFFIX, Sidecar, read_sidecar
-from facecrf_ocio.lookup import curve_lookup
-from facecrf_ocio.pixels import Pixels, code_values
-from facecrf_ocio.read import read_photo
+from facecrf_ocio.image.lookup import curve_lookup
+from facecrf_ocio.photo.pixels import Pixels, code_values
+from facecrf_ocio.photo.read import read_photo
+from facecrf_ocio.record.sidecar import SUFFIX, Sidecar, read_sidecar
 from facecrf_ocio.values import Outcome
 
 SIDE = 96

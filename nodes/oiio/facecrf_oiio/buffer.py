@@ -8,12 +8,12 @@ from typing import Any
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813
 
+from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.errors import PhotoError, SettingsError
-from facecrf_ocio.exr_header import still_holds, tag_color_space, tag_primaries
-from facecrf_ocio.lookup import Lookup
-from facecrf_ocio.lut_file import lut_lookup
-from facecrf_ocio.profile import known_primaries
-from facecrf_ocio.read import alpha_channel, color_channels, icc_profile, primaries_of
+from facecrf_ocio.image.exr_header import still_holds, tag_color_space, tag_primaries
+from facecrf_ocio.image.lookup import Lookup
+from facecrf_ocio.image.lut_lookup import lut_lookup
+from facecrf_ocio.photo.read import alpha_channel, color_channels, icc_profile, primaries_of
 from facecrf_ocio.values import Primaries
 from facecrf_oiio.store import can_store, store
 
@@ -40,7 +40,7 @@ def linearize(
     image
         Of any pixel type but deep; not changed.
     lut
-        A LUT file, or what `facecrf_ocio.lut_file.lut_lookup` made of it.
+        A LUT file, or what `facecrf_ocio.image.lut_lookup.lut_lookup` made of it.
     dtype
         `OpenImageIO.HALF` or `OpenImageIO.FLOAT`. In half, colors are clamped to 65504.
     roi

@@ -14,12 +14,12 @@ from typing import Any, NoReturn
 import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio.errors import FaceCRFError, LutError, OutputError, PhotoError, SettingsError
-from facecrf_ocio.export.atomic import require_free
-from facecrf_ocio.image_output import write_image_file
-from facecrf_ocio.integrity import COPY_AGAIN, check_file, check_size
-from facecrf_ocio.lookup import Lookup
-from facecrf_ocio.lut_file import lut_lookup
-from facecrf_ocio.read import alpha_channel, is_premultiplied
+from facecrf_ocio.files.atomic import require_free
+from facecrf_ocio.image.lookup import Lookup
+from facecrf_ocio.image.lut_lookup import lut_lookup
+from facecrf_ocio.image.output import write_image_file
+from facecrf_ocio.photo.integrity import COPY_AGAIN, check_file, check_size
+from facecrf_ocio.photo.read import alpha_channel, is_premultiplied
 from facecrf_oiio.buffer import color_of, fill, linearize
 
 _CODES = {OutputError: 1, SettingsError: 2, PhotoError: 3, LutError: 3}

@@ -24,7 +24,7 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813
 
-from facecrf_ocio.lookup import cores
+from facecrf_ocio.image.lookup import cores
 
 Pixels = npt.NDArray[Any]
 

@@ -1,0 +1,1 @@
+"""Photos of one camera: brackets, and one curve that their evidence gives together."""

@@ -1,0 +1,193 @@
+"""One camera, one curve: what its photos say together, and which of them it fits."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from facecrf_ocio.archive.cameras.bracket import Exposure
+from facecrf_ocio.archive.manifest.database import STARTED, Manifest
+from facecrf_ocio.archive.work.task import Shot
+from facecrf_ocio.joint import PhotoEvidence, conclude
+from facecrf_ocio.pair.code_samples import read_samples
+from facecrf_ocio.pair.debevec import BracketCurve, rmse_after_scale, solve_bracket
+from facecrf_ocio.values import Confidence, Estimate, Float, InverseCRF, Outcome, Verdict
+
+MOST = 100
+"""Photos that a curve is concluded from at most. Errors of one camera's photos are correlated by
+0.3, so that any number of photos tells as much as 3.3 independent ones, and 100 as much as 3.2."""
+
+_CURVE_POINTS = 256
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CameraCurve:
+    """What a camera's photos say together.
+
+    Attributes
+    ----------
+    estimate
+        The curve; None if none of them says anything.
+    used
+        Photos it was concluded from.
+    sha256
+        Hash of all that is written of it.
+    """
+
+    estimate: Estimate | None
+    used: int
+    sha256: str
+
+
+def conclude_camera(manifest: Manifest, key: str, recipe: str, prior: str) -> CameraCurve:
+    """One curve from the evidence of a camera's photos, each content counted once."""
+    chosen = []
+    names = manifest.rows(
+        "SELECT MIN(name) FROM photos WHERE camera = ? AND recipe = ? AND state != ? "
+        "GROUP BY sha256 ORDER BY sha256",
+        *(key, recipe, STARTED),
+    )
+    for (name,) in names:
+        evidence = evidence_of(manifest, name)
+        if evidence.messages:
+            chosen.append((name, evidence))
+        if len(chosen) == MOST:
+            break
+    if not chosen:
+        return CameraCurve(None, 0, "")
+    chosen.sort(key=lambda item: item[0])
+    estimate = conclude([evidence for _, evidence in chosen], prior)
+    estimate = replace(_naming(estimate, [name for name, _ in chosen]), faces=())
+    return CameraCurve(estimate, len(chosen), estimate_sha256(estimate))
+
+
+def evidence_of(manifest: Manifest, name: str) -> PhotoEvidence:
+    """What a photo said, without its face."""
+    return PhotoEvidence.from_json(manifest.gathered(name).evidence)
+
+
+def exposures(
+    manifest: Manifest, camera: str, recipe: str, bracket: str | None = None
+) -> Iterator[Exposure]:
+    """A camera's photos, or a bracket's, that tell time and exposure; each content once."""
+    rows = manifest.rows(
+        "SELECT MIN(name), sha256, taken, exposure_s, aperture, iso FROM photos "
+        "WHERE camera = ? AND recipe = ? AND state != ? AND taken > 0 AND exposure_s > 0 "
+        "AND bracket = IFNULL(?, bracket) GROUP BY sha256 ORDER BY taken, MIN(name)",
+        *(camera, recipe, STARTED, bracket),
+    )
+    for name, sha256, taken, exposure_s, aperture, iso in rows:
+        samples = manifest.gathered(name).samples
+        yield Exposure(name, sha256, Shot("", taken, exposure_s, aperture, iso), samples)
+
+
+def solve(members: tuple[Exposure, ...]) -> BracketCurve:
+    """Debevec's curve of a bracket."""
+    return solve_bracket(
+        [read_samples(one.samples) for one in members], [one.stops for one in members]
+    )
+
+
+def bracket_estimate(
+    members: tuple[Exposure, ...], solved: BracketCurve, camera: Estimate | None
+) -> Estimate | None:
+    """What the photos of a bracket get, None if they get their camera's curve."""
+    if solved.problem or solved.found is None:
+        return None
+    shown = np.array(
+        [np.interp(_levels(), np.linspace(0.0, 1.0, 256), row) for row in _hits(members)]
+    )
+    reasons = [f"two halves of the points give curves {solved.halves:.3f} apart (RMSE)"]
+    if camera is not None:
+        error = rmse_after_scale(solved.found, camera.curve)
+        reasons.append(
+            f"RMSE against the curve estimated for its camera, after one scale: {error:.3f}"
+        )
+    return Estimate(
+        Outcome.CALIBRATED,
+        "debevec",
+        f"a bracket of {len(members)} exposures over {solved.stops:.1f} stops",
+        found=solved.found,
+        confidence=Confidence(solved.sigma, shown, Verdict.RELIABLE, tuple(reasons)),
+    )
+
+
+def member_estimate(estimate: Estimate, evidence: PhotoEvidence) -> Estimate:
+    """Its camera's curve for a photo that fits it, or that says nothing itself."""
+    rest = f"the curve of its camera ({estimate.reason})"
+    faces = () if evidence.face is None else (evidence.face,)
+    if evidence.messages:
+        return replace(estimate, reason=rest, faces=faces)
+    told = estimate.confidence
+    if told is None:
+        raise ValueError("a camera's curve has a confidence")
+    verdict = Verdict.WEAK if told.verdict is Verdict.RELIABLE else told.verdict
+    reasons = ("nothing in this photo confirms that its curve is its camera's", *told.reasons)
+    return replace(
+        estimate,
+        outcome=Outcome.FROM_CAMERA,
+        reason=f"{evidence.lacking}: {rest}",
+        faces=faces,
+        confidence=Confidence(told.sigma, np.zeros_like(told.coverage), verdict, reasons),
+    )
+
+
+def estimate_sha256(estimate: Estimate) -> str:
+    """Hash of all that is written of an estimate."""
+    digest = hashlib.sha256(estimate.reason.encode())
+    told = estimate.confidence
+    if told is not None:
+        digest.update(json.dumps([told.verdict.value, *told.reasons]).encode())
+    for array in (estimate.curve.linear, *(() if told is None else (told.sigma, told.coverage))):
+        digest.update(np.ascontiguousarray(array, dtype=np.float64).tobytes())
+    return digest.hexdigest()
+
+
+def curve_json(curve: InverseCRF | None, sigma: Float) -> str:
+    """A curve with its band, at 256 code values, for a reader of the manifest."""
+    if curve is None:
+        return ""
+    at = np.linspace(0.0, 1.0, _CURVE_POINTS)
+
+    def rows(arrays: Float) -> list[list[float]]:
+        return [
+            [float(f"{value:.6g}") for value in np.interp(at, curve.encoded, row)] for row in arrays
+        ]
+
+    encoded = [float(f"{value:.6g}") for value in at]
+    return json.dumps({"encoded": encoded, "linear": rows(curve.linear), "sigma": rows(sigma)})
+
+
+def _naming(estimate: Estimate, names: list[str]) -> Estimate:
+    """Name the photos that a conclusion numbers."""
+    told = estimate.confidence
+    if told is None:
+        return estimate
+    reasons = []
+    for reason in told.reasons:
+        word, _, rest = reason.partition(" ")
+        number, _, verb = rest.partition(" ")
+        named = word == "photo" and number.isdigit()
+        reasons.append(f"{names[int(number) - 1]} {verb}" if named else reason)
+    return replace(estimate, confidence=replace(told, reasons=tuple(reasons)))
+
+
+@lru_cache(maxsize=1)
+def _levels() -> Float:
+    return np.linspace(0.0, 1.0, 4096)
+
+
+def _hits(members: tuple[Exposure, ...]) -> Float:
+    """(3, 256) share of the points at each code value, relative to where they are densest."""
+    codes = np.concatenate([read_samples(one.samples) for one in members])
+    counts = np.stack([np.bincount(codes[:, c], minlength=256) for c in range(3)]).astype(
+        np.float64
+    )
+    counts[:, [0, 255]] = 0.0
+    smooth = np.stack([np.convolve(row, np.ones(17), mode="same") for row in counts])
+    return np.asarray(smooth / np.maximum(smooth.max(axis=1, keepdims=True), 1e-12))

@@ -1,0 +1,1 @@
+"""The manifest of an archive: all that is known of every photo, in SQLite."""

@@ -1,0 +1,189 @@
+"""The page of a report: data that only its own script reads, and nothing from elsewhere."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+from collections.abc import Iterable, Mapping
+from html import escape
+from importlib.resources import files
+from itertools import islice
+from typing import TypeVar
+
+from facecrf_ocio import __version__
+from facecrf_ocio.archive.report.contents import KINDS, Archive, Bracket, Group, Row
+from facecrf_ocio.archive.report.pictures import SIDE, Pictures
+from facecrf_ocio.archive.report.small_curves import CurveList, drawn_from_json, srgb_samples
+
+BLOCK = 50
+"""Photos whose pictures stand in one block, which is parsed when one of them is shown."""
+
+_Value = TypeVar("_Value")
+
+
+class _Words:
+    """Texts without repetition: a column of texts becomes one of small numbers."""
+
+    def __init__(self) -> None:
+        self._places: dict[str, int] = {}
+
+    def column(self, texts: Iterable[str]) -> list[int]:
+        return [self._places.setdefault(text, len(self._places)) for text in texts]
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        return tuple(self._places)
+
+
+def render(
+    archive: Archive, pictures: Mapping[str, Pictures], *, generated: str, source_is_there: bool
+) -> bytes:
+    """Return the HTML of a report.
+
+    Parameters
+    ----------
+    archive
+        What the manifest tells.
+    pictures
+        By the photos' names; of photos that are not in it there is nothing to see.
+    generated
+        Date and time to be shown.
+    source_is_there
+        Whether the folder of the photos could be found.
+    """
+    curves = CurveList()
+    words = _Words()
+    columns = _columns(archive, pictures, curves, words)
+    data = {
+        "version": __version__,
+        "generated": generated,
+        "folder": str(archive.folder),
+        "source": "" if archive.source is None else str(archive.source),
+        "sourceThere": source_is_there,
+        "kinds": KINDS,
+        "side": SIDE,
+        "block": BLOCK,
+        "pictured": len(pictures),
+        "srgb": srgb_samples(),
+        "groups": [_group(group, curves) for group in archive.groups],
+        "brackets": [_bracket(bracket, curves) for bracket in archive.brackets],
+        "columns": columns,
+        "words": words.texts,
+    }
+    blocks = {"data": _json(data), "curves": _json(curves.texts)}
+    shown = [pictures[row.name] for row in archive.rows if row.name in pictures]
+    for number, block in enumerate(_batched(shown, BLOCK)):
+        blocks[f"pictures-{number}"] = _json([[item.before, item.after] for item in block])
+    return _assemble(blocks)
+
+
+def _columns(
+    archive: Archive, pictures: Mapping[str, Pictures], curves: CurveList, words: _Words
+) -> dict[str, object]:
+    """One list for each property of the photos, which is half the size of one list a photo."""
+    rows = archive.rows
+    seen = [pictures.get(row.name) for row in rows]
+    places = iter(range(len(rows)))
+    drawn = [None if item is None else item.curve for item in seen]
+    return {
+        "name": [row.name for row in rows],
+        "size": [max(row.size, 0) for row in rows],
+        "kind": [KINDS.index(row.kind) for row in rows],
+        "outcome": words.column(row.outcome for row in rows),
+        "estimator": words.column(row.estimator for row in rows),
+        "reason": words.column(_without_path(row) for row in rows),
+        "remedy": words.column(row.remedy for row in rows),
+        "make": words.column(row.camera[0] for row in rows),
+        "model": words.column(row.camera[1] for row in rows),
+        "serial": words.column(row.camera[2] for row in rows),
+        "software": words.column(row.camera[3] for row in rows),
+        "whose": words.column(row.curve for row in rows),
+        "group": words.column(row.group for row in rows),
+        "bracket": words.column(row.bracket for row in rows),
+        "duplicateOf": words.column(row.duplicate_of for row in rows),
+        "misfit": [round(row.misfit, 2) if row.name in archive.misfits else 0 for row in rows],
+        "seconds": [round(row.seconds, 2) for row in rows],
+        "faces": [-1 if item is None else item.faces for item in seen],
+        "missing": words.column("" if item is None else item.missing for item in seen),
+        "picture": [-1 if item is None else next(places) for item in seen],
+        "curve": [curves.place(curve) for curve in drawn],
+        "band": [-1 if curve is None else curve.band for curve in drawn],
+    }
+
+
+def _without_path(row: Row) -> str:
+    """What went wrong, without the file's name in front, so that like reasons are alike."""
+    path = rf"^.{{0,4096}}?{re.escape(row.name)}(\.\w+)*: "
+    return re.sub(path, "", row.reason, count=1, flags=re.DOTALL)
+
+
+def _group(group: Group, curves: CurveList) -> dict[str, object]:
+    curve = drawn_from_json(group.curve)
+    return {
+        "key": group.key,
+        "camera": group.camera,
+        "style": group.style,
+        "members": group.members,
+        "telling": group.telling,
+        "used": group.used,
+        "misfits": group.misfits,
+        "verdict": group.verdict,
+        "reason": group.reason,
+        "curve": curves.place(curve),
+        "band": -1 if curve is None else curve.band,
+    }
+
+
+def _bracket(bracket: Bracket, curves: CurveList) -> dict[str, object]:
+    curve = drawn_from_json(bracket.curve)
+    return {
+        "name": bracket.name,
+        "photos": bracket.photos,
+        "stops": round(bracket.stops, 1),
+        "used": bracket.used,
+        "reason": bracket.reason,
+        "rmse": round(100.0 * bracket.rmse, 1) if bracket.rmse >= 0 else -1,
+        "curve": curves.place(curve),
+        "band": -1 if curve is None else curve.band,
+    }
+
+
+def _json(value: object) -> str:
+    """JSON that cannot end the script element it stands in, whatever a file name holds."""
+    text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
+
+
+def _assemble(blocks: Mapping[str, str]) -> bytes:
+    folder = files("facecrf_ocio.archive.report")
+    template, style, script = (
+        (folder / name).read_text(encoding="utf-8") for name in ("page.html", "page.css", "page.js")
+    )
+    # Nothing may run or be styled but what is hashed here; nothing may be fetched at all.
+    policy = (
+        f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; "
+        "img-src data:; base-uri 'none'; form-action 'none'; require-trusted-types-for 'script'"
+    )
+    elements = "\n".join(
+        f'<script type="application/json" id="{name}">{text}</script>'
+        for name, text in blocks.items()
+    )
+    head, _, tail = template.partition("<!-- data -->")
+    head = head.replace("<!-- policy -->", escape(policy, quote=True))
+    head = head.replace("/* style */", style)
+    tail = tail.replace("/* script */", script)
+    # What UTF-8 cannot hold becomes JSON's own escape: it can stand in the data alone.
+    return (head + elements + tail).encode("utf-8", "backslashreplace")
+
+
+def _hash(text: str) -> str:
+    digest = hashlib.sha256(text.encode()).digest()
+    return f"sha256-{base64.b64encode(digest).decode()}"
+
+
+def _batched(items: Iterable[_Value], size: int) -> Iterable[tuple[_Value, ...]]:
+    left = iter(items)
+    while block := tuple(islice(left, size)):
+        yield block

@@ -1,0 +1,302 @@
+"""Photos worked on by an existing Dask cluster; to `run.py` a pool like the one of this machine.
+
+The cluster gets a bounded number of photos at a time. A worker that is lost costs nothing: Dask
+gives its photos to others, and as outputs appear whole or not at all and are the same bytes
+wherever they are made, it does not matter how far the lost one got.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import os
+import queue
+from collections import deque
+from collections.abc import Iterator
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+from facecrf_ocio import __version__
+from facecrf_ocio.archive.software import difference, versions
+from facecrf_ocio.archive.work.parcel import Delivery, Parcel, unpack
+from facecrf_ocio.archive.work.processes import Limits, Pool
+from facecrf_ocio.archive.work.task import FAILED, Result, Task
+from facecrf_ocio.errors import ClusterError, OutputError, SettingsError, reason_of
+from facecrf_ocio.files.atomic import Draft, write_files
+from facecrf_ocio.files.folders import make_folder
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+_REACH = 5.0  # [s] to reach the scheduler
+_FIRST = 15.0  # [s] until a first worker must be there
+_POLL = 0.25
+_COUNT_AGAIN = 5.0  # [s] after which the workers are counted anew
+_LARGEST = 1 << 30  # [byte] a larger file is worked on here rather than held in memory and shipped
+_RETRIES = 2
+_MARK = ".facecrf-mark-"
+_GO_ON = "what is done stays done; start again to go on"
+
+
+@dataclass(frozen=True, slots=True)
+class Cluster:
+    """An existing Dask cluster.
+
+    Attributes
+    ----------
+    address
+        Of its scheduler, such as `tcp://host:8786`.
+    ship
+        Send photos to the workers and write here what comes back; or let the workers read and
+        write the client's paths. None: the latter, until a worker does not see them.
+    """
+
+    address: str
+    ship: bool | None = None
+
+
+class ClusterPool:
+    """What `Pool` is, on a cluster; use it as a context manager.
+
+    Raises
+    ------
+    SettingsError
+        If `distributed` is not installed.
+    ClusterError
+        If the scheduler cannot be reached, has no workers, or a worker has other versions.
+    """
+
+    def __init__(self, cluster: Cluster, limits: Limits, folder: Path) -> None:
+        try:
+            import distributed  # noqa: F401, PLC0415 - an extra
+        except ImportError:
+            raise SettingsError(
+                "a scheduler needs the extra cluster: pip install 'facecrf-ocio[cluster]'"
+            ) from None
+        self.cluster, self.limits = cluster, limits
+        self.shipping = bool(cluster.ship)
+        self._versions = versions()
+        self._mark = folder / f"{_MARK}{os.urandom(8).hex()}"
+        self._flying: dict[str, tuple[Future, Task]] = {}
+        self._answers: deque[tuple[Task, Result]] = deque()
+        self._landed: queue.SimpleQueue[str] = queue.SimpleQueue()
+        self._client: Client
+        self._open = ExitStack()
+        self._number = 0
+        self._threads, self._counted = 1, float("-inf")
+
+    def __enter__(self) -> ClusterPool:
+        try:
+            self._connect()
+            self._require_equal_workers()
+            self._set_mark()
+        except BaseException:
+            self._open.close()
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._open.close()
+        self._flying.clear()
+
+    @property
+    def capacity(self) -> int:
+        """Photos to be handed out at a time: a few more than the cluster works on at once."""
+        if monotonic() - self._counted > _COUNT_AGAIN:
+            with suppress(OSError):
+                self._threads = max(1, sum(self._client.nthreads().values()))
+            self._counted = monotonic()
+        return self._threads + max(1, self._threads // 4)
+
+    @property
+    def busy(self) -> int:
+        """Photos handed out and not yet answered."""
+        return len(self._flying) + len(self._answers)
+
+    def submit(self, task: Task) -> None:
+        """Hand out a photo."""
+        try:
+            status = task.source.stat()
+            shippable = status.st_size <= _LARGEST
+            photo = task.source.read_bytes() if self.shipping and shippable else None
+        except OSError:
+            self._answers.append((task, self._here(task)))
+            return
+        if self.shipping and photo is None:
+            self._answers.append((task, self._here(task)))
+            return
+        parcel = Parcel(
+            task,
+            self.limits,
+            source=task.source.absolute(),
+            folder=task.folder.absolute(),
+            versions=self._versions,
+            digest=task.recipe.sha256(__version__),
+            mark=self._mark.absolute(),
+            size=status.st_size,
+            mtime_ns=status.st_mtime_ns,
+            photo=photo,
+        )
+        self._number += 1
+        key = f"{self._mark.name.removeprefix('.')}-{self._number}"
+        future = self._client.submit(unpack, parcel, key=key, pure=False, retries=_RETRIES)
+        self._flying[key] = future, task
+        future.add_done_callback(lambda done: self._landed.put(str(done.key)))
+
+    def results(self) -> Iterator[tuple[Task, Result]]:
+        """Wait until at least one photo is answered, and yield those that are."""
+        answered = False
+        while self._answers:
+            answered = True
+            yield self._answers.popleft()
+        while self._flying and not (answered and self._landed.empty()):
+            try:
+                key = self._landed.get(timeout=_POLL)
+            except queue.Empty:
+                self._require_connection()
+                continue
+            if key in self._flying:
+                task, result = self._answer(*self._flying.pop(key))
+                if result is not None:
+                    answered = True
+                    yield task, result
+                elif self._answers:
+                    answered = True
+                    yield self._answers.popleft()
+
+    def _answer(self, future: Future, task: Task) -> tuple[Task, Result | None]:
+        """Return what came of a photo, None if it was handed out anew."""
+        from distributed import KilledWorker  # noqa: PLC0415 - an extra
+
+        delivery: Delivery
+        try:
+            delivery = future.result()
+        except KilledWorker as error:
+            lost = f"took {error.allowed_failures + 1} of the cluster's workers with it"
+            return task, Result(FAILED, reason=lost)
+        except Exception as error:
+            self._require_connection()
+            problem = (str(error) or type(error).__name__).partition("\n")[0]
+            raise ClusterError(
+                f"{self.cluster.address}: a worker could not do its work: {problem}; {_GO_ON}"
+            ) from error
+        finally:
+            future.release()
+        if delivery.unlike:
+            raise ClusterError(self._unlike("a worker", delivery.unlike))
+        if delivery.result is None:
+            self._ship_from_now_on(delivery.unseen)
+            self.submit(task)
+            return task, None
+        return task, _written(task, delivery) if delivery.contents else delivery.result
+
+    def _ship_from_now_on(self, unseen: str) -> None:
+        if self.cluster.ship is False:
+            raise ClusterError(
+                f"{unseen}: a worker of {self.cluster.address} does not see it as it is here; "
+                "mount it there under the same path, or pass --ship"
+            )
+        self.shipping = True
+
+    def _here(self, task: Task) -> Result:
+        """Work on what cannot be shipped, or not even read."""
+        with Pool(1, self.limits) as pool:
+            pool.submit(task)
+            while pool.busy:
+                for _, result in pool.results():
+                    return result
+        raise AssertionError("a pool answers every photo")
+
+    def _connect(self) -> None:
+        import dask  # noqa: PLC0415 - an extra
+        from distributed import Client  # noqa: PLC0415
+
+        # Its warnings tell of what is told here in our own words, or survived.
+        for name in ("distributed", "tornado.application", *logging.root.manager.loggerDict):
+            if name.startswith(("distributed", "tornado")):
+                logger = logging.getLogger(name)
+                self._open.callback(logger.setLevel, logger.level)
+                logger.setLevel(logging.CRITICAL + 1)
+        self._open.enter_context(
+            dask.config.set({"distributed.admin.large-graph-warning-threshold": _LARGEST * 2})
+        )
+        address = self.cluster.address
+        try:
+            client = Client(address, timeout=_REACH, set_as_default=False, name="facecrf")
+        except (OSError, ValueError, TypeError) as error:
+            raise ClusterError(
+                f"{address}: no Dask scheduler answers there; start one with `dask scheduler`, or "
+                "check the address"
+            ) from error
+        self._client = client
+        self._open.callback(client.close, timeout=_REACH)
+        try:
+            client.wait_for_workers(1, timeout=_FIRST)
+        except TimeoutError:
+            raise ClusterError(
+                f"{address}: has no workers; start some with `dask worker {address}`"
+            ) from None
+
+    def _require_equal_workers(self) -> None:
+        for worker, there in self._client.run(_asker(), on_error="return").items():
+            if not isinstance(there, dict):
+                problem = f"facecrf-ocio cannot be imported there ({there})"
+            else:
+                problem = difference(self._versions, there)
+            if problem:
+                raise ClusterError(self._unlike(worker, problem))
+
+    def _unlike(self, worker: str, problem: str) -> str:
+        return f"{worker}: {problem}; install the same versions on all machines, outputs differ"
+
+    def _set_mark(self) -> None:
+        folder = self._mark.parent
+        for former in folder.glob(f"{_MARK}*"):  # of a run that was killed
+            former.unlink(missing_ok=True)
+        try:
+            self._mark.touch(exist_ok=False)
+        except OSError as error:
+            problem = reason_of(error)
+            raise OutputError(
+                f"{self._mark}: cannot be written: {problem}; choose another folder"
+            ) from error
+        self._open.callback(self._mark.unlink, missing_ok=True)
+
+    def _require_connection(self) -> None:
+        if self._client.status != "running":
+            raise ClusterError(f"{self.cluster.address}: the scheduler was lost; {_GO_ON}")
+
+
+def _asker() -> Any:
+    """A function that travels as code, so that a worker without this package can answer, too."""
+
+    def told() -> dict[str, str] | str:
+        try:
+            from facecrf_ocio.archive.software import versions  # noqa: PLC0415
+        except ImportError as error:
+            return str(error)
+        return versions()
+
+    return told
+
+
+def _written(task: Task, delivery: Delivery) -> Result:
+    """Write what a worker sent."""
+    from facecrf_ocio.archive.work.one_photo import failure_of  # noqa: PLC0415 - heavy
+
+    result = delivery.result
+    assert result is not None  # noqa: S101 - asked before
+    drafts = []
+    for output, content in zip(result.outputs, delivery.contents, strict=True):
+        if hashlib.sha256(content).hexdigest() != output.sha256:
+            return Result(FAILED, reason=f"{output.name} came damaged from the worker")
+        drafts.append(Draft(task.folder / output.name, content, lambda _: None))
+    try:
+        make_folder(task.target)
+        write_files(drafts, overwrite=task.overwrite)
+    except (OutputError, OSError) as error:
+        return failure_of(error)
+    return result

@@ -1,0 +1,152 @@
+"""The work on one photo: read, estimate, write. `process` is the entry point of every scheduler.
+
+Where photos of a camera share a curve, the work is done in two steps: one gathers what the photo
+says, the other writes the curve that all of them gave.
+"""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter
+
+import cv2
+
+from facecrf_ocio.archive.cameras.shot import read_shot
+from facecrf_ocio.archive.manifest.told import face_json, told_before
+from facecrf_ocio.archive.work.task import FAILED, GATHER, Gathered, Output, Result, Task, Timing
+from facecrf_ocio.calibrate import SAME_CURVE, assumptions_of, calibrate
+from facecrf_ocio.errors import FaceCRFError, OutputError, PhotoError
+from facecrf_ocio.files.folders import make_folder
+from facecrf_ocio.image.linearize import write_linear
+from facecrf_ocio.joint import gather
+from facecrf_ocio.pair.code_samples import take_samples
+from facecrf_ocio.photo.read import read_photo
+from facecrf_ocio.published.trust import demand
+from facecrf_ocio.record.outputs import write_outputs
+from facecrf_ocio.values import Estimate, Photo
+
+# What is wrong with the disk, and not with the photo: every other photo would fail alike.
+_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
+
+
+def warm_up() -> None:
+    """Set up a process that will work on many photos."""
+    cv2.setNumThreads(1)
+
+
+def process(task: Task) -> Result:
+    """Read, calibrate and write one photo.
+
+    Never raises for what is wrong with the photo: that is a `Result` whose outcome is `failed`.
+    The same photo and recipe give the same bytes, whenever and wherever this runs.
+    """
+    start = perf_counter()
+    try:
+        photo = read_photo(task.source)
+    except (FaceCRFError, MemoryError, OSError) as error:
+        return failure_of(error)
+    read = perf_counter()
+    try:
+        if task.sha256 not in ("", photo.sha256):
+            raise PhotoError(photo.path, "was changed while the run went on", "start again")
+        if task.step == GATHER and _is_poolable(photo):
+            result = _gather(task, photo)
+            return replace(result, timing=Timing(read - start, perf_counter() - read))
+        result, estimate = _estimate(task, photo)
+        done = perf_counter() if task.estimate is None else read
+        names = () if estimate.found is None else _write(task, photo, estimate)
+        outputs = tuple(_described(task.folder, path) for path in names)
+    except (FaceCRFError, MemoryError, OSError) as error:
+        return replace(failure_of(error), sha256=photo.sha256 or "")
+    except Exception as error:  # a fault of ours costs this photo, and not the run
+        reason = f"unexpected {type(error).__name__}: {error}"
+        return Result(FAILED, reason=reason, sha256=photo.sha256 or "")
+    timing = Timing(read - start, done - read, perf_counter() - done)
+    return replace(result, outputs=outputs, timing=timing)
+
+
+def _is_poolable(photo: Photo) -> bool:
+    """Whether a photo has a curve, and a camera to share it with."""
+    return not photo.scene_linear and bool(photo.camera.make or photo.camera.model)
+
+
+def _gather(task: Task, photo: Photo) -> Result:
+    evidence = gather(photo, task.recipe.settings)
+    return Result(
+        "",
+        sha256=photo.sha256 or "",
+        camera=_camera(photo),
+        shot=read_shot(task.source),
+        gathered=Gathered(evidence.to_json(), face_json(evidence), take_samples(photo.encoded)),
+    )
+
+
+def _estimate(task: Task, photo: Photo) -> tuple[Result, Estimate]:
+    estimate = demand(_found(task, photo), task.recipe.min_confidence)
+    result = Result(
+        str(estimate.outcome),
+        "" if estimate.confidence is None else str(estimate.confidence.verdict),
+        estimate.estimator,
+        estimate.reason,
+        estimate.remedy,
+        photo.sha256 or "",
+        _camera(photo),
+    )
+    return result, estimate
+
+
+def _found(task: Task, photo: Photo) -> Estimate:
+    if task.estimate is None:
+        recipe = task.recipe
+        return calibrate(
+            photo,
+            estimator=recipe.estimator,
+            fallback=recipe.fallback,
+            prior=recipe.prior,
+            settings=recipe.settings,
+            evidence=None if task.gathered is None else told_before(task.gathered),
+        )
+    if task.estimate.assumptions:
+        return task.estimate
+    return replace(task.estimate, assumptions=(*assumptions_of(photo), SAME_CURVE))
+
+
+def _camera(photo: Photo) -> tuple[str, str, str, str]:
+    camera = photo.camera
+    return camera.make, camera.model, camera.serial, camera.software
+
+
+def _write(task: Task, photo: Photo, estimate: Estimate) -> tuple[Path, ...]:
+    recipe, name = task.recipe, Path(task.name).name
+    make_folder(task.target)
+    written = write_outputs(
+        photo,
+        estimate,
+        recipe.settings,
+        task.target,
+        recipe.formats,
+        overwrite=task.overwrite,
+        stem=name,
+    )
+    if recipe.exr:
+        exr = task.target / f"{name}.exr"
+        written += (write_linear(exr, photo, estimate, overwrite=task.overwrite),)
+    return written
+
+
+def _described(folder: Path, path: Path) -> Output:
+    content = path.read_bytes()
+    name = path.relative_to(folder).as_posix()
+    return Output(name, len(content), hashlib.sha256(content).hexdigest())
+
+
+def failure_of(error: Exception) -> Result:
+    """What an error is to the run: this photo's failure, or the end of it all."""
+    if isinstance(error, MemoryError):
+        return Result(FAILED, reason="not enough memory", remedy="use a smaller version of it")
+    cause = error.__cause__ if isinstance(error, OutputError) else None
+    number = cause.errno if isinstance(cause, OSError) else None
+    return Result(FAILED, reason=str(error), stop=str(error) if number in _DISK else "")

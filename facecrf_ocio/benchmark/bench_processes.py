@@ -1,0 +1,78 @@
+"""Tasks to worker processes, results back as they come."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+
+import cv2
+
+from facecrf_ocio.benchmark.cases import Plan, Task, code_digest
+from facecrf_ocio.benchmark.workbench import Result, Workbench
+from facecrf_ocio.errors import FaceCRFError
+from facecrf_ocio.files.threads import single_threaded
+
+_workbench: Workbench | None = None  # of a worker process
+
+
+def measure_tasks(
+    plan: Plan, tasks: Sequence[Task], jobs: int = 1
+) -> Iterator[tuple[Task, tuple[Result, ...]]]:
+    """Measure tasks, each in one of `jobs` fresh processes of one thread; yields as they finish.
+
+    One job, too, is a process of its own: only there can the threads of libraries that are loaded
+    already be limited, on which the last digits depend.
+
+    Raises
+    ------
+    FaceCRFError
+        If a process is killed, which is mostly for want of memory.
+    """
+    if not tasks:
+        return
+    executor = ProcessPoolExecutor(
+        min(jobs, len(tasks)),
+        mp_context=multiprocessing.get_context("spawn"),
+        initializer=_start_worker,
+        initargs=(plan, code_digest()),
+    )
+    try:
+        with single_threaded():
+            futures = {executor.submit(_measure, task): task for task in tasks}
+        for future in as_completed(futures):
+            yield futures.pop(future), future.result()
+    except BrokenProcessPool as error:
+        raise FaceCRFError(
+            "a worker process was killed; start again, with fewer --jobs if memory is short: "
+            "finished cases are kept"
+        ) from error
+    finally:
+        executor.shutdown(cancel_futures=True)
+
+
+def _start_worker(plan: Plan, code: str) -> None:
+    global _workbench  # noqa: PLW0603 - set once for the life of the process
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends the run
+    threading.Thread(target=_die_with_parent, daemon=True).start()
+    cv2.setNumThreads(1)
+    # Results of an edited package must not be stored under the keys of the former one.
+    _workbench = Workbench(plan) if code_digest() == code else None
+
+
+def _die_with_parent() -> None:
+    """Without this, workers of a parent that was killed would wait for tasks forever."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _measure(task: Task) -> tuple[Result, ...]:
+    if _workbench is None:
+        raise FaceCRFError("the package was changed since this run began; start again")
+    return _workbench.measure(task)

@@ -1,0 +1,1 @@
+"""The `facecrf` command: one file a command."""

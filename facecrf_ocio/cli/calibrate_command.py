@@ -1,0 +1,180 @@
+"""`facecrf calibrate`: photos in, LUT files out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from facecrf_ocio.cli.options import (
+    PHOTO_PATH,
+    TEXT_PATH,
+    Choices,
+    direction_options,
+    estimation_options,
+)
+from facecrf_ocio.cli.terminal import (
+    DONE,
+    FAILED,
+    NOTHING,
+    UNREADABLE,
+    USAGE,
+    complain,
+    ending_well,
+    exit_code_of,
+    one_line,
+    problem_of,
+    require_writable,
+    status,
+    tell,
+    tell_json,
+)
+from facecrf_ocio.errors import FaceCRFError, LutError, OutputError
+
+if TYPE_CHECKING:
+    from facecrf_ocio.together import Together
+    from facecrf_ocio.values import Estimate
+
+FORMAT_NAMES = ("spi1d", "cube", "clf", "ctf", "csp", "icc", "iridas.cube", "v4.icc")
+DEFAULT_FORMATS = "spi1d,cube,clf"
+PLOT_SUFFIX = ".crf.png"
+"""Not `.png`, which next to a PNG photo would be the photo itself."""
+
+
+def split_formats(context: click.Context, option: click.Parameter, value: str) -> tuple[str, ...]:
+    """Parse LUT formats separated by commas, or fail as wrong usage."""
+    names = tuple(dict.fromkeys(name.strip().lower() for name in value.split(",") if name.strip()))
+    known = ", ".join(FORMAT_NAMES)
+    unknown = [name for name in names if name not in FORMAT_NAMES]
+    if unknown:
+        raise click.BadParameter(f"no LUT format {unknown[0]!r}; known: {known}", context, option)
+    if not names:
+        raise click.BadParameter(f"name at least one of {known}", context, option)
+    return names
+
+
+@dataclass(frozen=True, slots=True)
+class _Calibration:
+    """What is to be written of each photo, and how it is told."""
+
+    folder: Path
+    formats: tuple[str, ...]
+    plot: bool
+    as_json: bool
+    choices: Choices
+    together: Together | None = None
+
+    def run(self, path: Path, message: str) -> int:
+        """Calibrate one photo, tell of it, and return its exit code."""
+        try:
+            with status(message):
+                estimate, written = self._calibrate(path)
+        except (FaceCRFError, MemoryError) as error:
+            code = complain(problem_of(error), exit_code_of(error))
+            if self.as_json:
+                tell_json(path, code, outcome="error", reason=problem_of(error))
+            return code
+        return tell(path, estimate, written, as_json=self.as_json)
+
+    def _calibrate(self, path: Path) -> tuple[Estimate, tuple[Path, ...]]:
+        from facecrf_ocio.files.atomic import require_free
+        from facecrf_ocio.record.outputs import require_outputs_free, write_outputs
+
+        overwrite, settings = self.choices.overwrite, self.choices.settings
+        picture = self.folder / f"{path.stem}{PLOT_SUFFIX}"
+        require_outputs_free(path, self.folder, self.formats, overwrite=overwrite)
+        if self.plot:
+            require_free(picture, overwrite=overwrite)
+        if self.together is None:
+            photo, estimate = self.choices.read_and_estimate(path)
+        else:
+            from facecrf_ocio import read_photo
+
+            photo, estimate = read_photo(path), self.together.estimate
+        if estimate.found is None:
+            return estimate, ()
+        also = []
+        if self.plot:
+            from facecrf_ocio.plots.calibration_plot import plot_draft
+
+            also.append(plot_draft(picture, photo, estimate, settings))
+        return estimate, write_outputs(
+            photo, estimate, settings, self.folder, self.formats, overwrite=overwrite, also=also
+        )
+
+
+def _estimate_together(photos: tuple[Path, ...], choices: Choices) -> Together:
+    """One curve of all photos; those that do not fit it are told on stderr."""
+    from facecrf_ocio.together import MISFIT_LIMIT
+
+    with status(f"calibrating {len(photos)} photos together"):
+        together = choices.estimate_together(photos)
+    for path, misfit, lacking in zip(photos, together.misfits, together.lacking, strict=True):
+        if lacking:
+            click.echo(f"facecrf: {one_line(str(path))}: says nothing: {lacking}", err=True)
+        elif misfit > MISFIT_LIMIT:
+            click.echo(
+                f"facecrf: {one_line(str(path))}: its own evidence lies {misfit:.1f} standard "
+                "deviations from the common curve; it may have another picture style",
+                err=True,
+            )
+    return together
+
+
+@click.command()
+@click.argument("photos", nargs=-1, required=True, type=PHOTO_PATH)
+@click.option(
+    "-o", "--output", required=True, type=TEXT_PATH, metavar="DIR", help="Where to write."
+)
+@click.option(
+    "--formats",
+    default=DEFAULT_FORMATS,
+    show_default=True,
+    callback=split_formats,
+    help=f"LUT formats, by commas, of {', '.join(FORMAT_NAMES)}.",
+)
+@direction_options
+@click.option(
+    "--plot", is_flag=True, help=f"Also write NAME{PLOT_SUFFIX}: curves, skin mask, pigment map."
+)
+@click.option(
+    "--together", is_flag=True, help="One curve from all photos, which one camera took alike."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object per photo and line.")
+@estimation_options
+@ending_well
+def calibrate(
+    photos: tuple[Path, ...],
+    output: Path,
+    formats: tuple[str, ...],
+    direction: str,
+    space: str | None,
+    plot: bool,
+    as_json: bool,
+    together: bool,
+    **choices: Any,
+) -> int:
+    """Estimate the inverse camera response of each PHOTO and write it as LUT files.
+
+    For a.jpg the folder, made if it is missing, gets a.spi1d, a.cube, a.clf and a.crf.json.
+    """
+    from facecrf_ocio.lut.write import endings
+    from facecrf_ocio.record.outputs import require_distinct_names
+
+    photos = tuple(dict.fromkeys(photos))
+    try:
+        require_distinct_names(photos)
+        formats = endings(formats, direction, space or "")
+    except (OutputError, LutError) as error:
+        return complain(str(error), USAGE)
+    require_writable(output)
+    chosen = Choices(**choices)
+    shared = _estimate_together(photos, chosen) if together else None
+    job = _Calibration(output, formats, plot, as_json, chosen, shared)
+    codes = []
+    for number, path in enumerate(photos, start=1):
+        place = f" ({number} of {len(photos)})" if len(photos) > 1 else ""
+        codes.append(job.run(path, f"calibrating {path}{place}"))
+    return next((code for code in (FAILED, UNREADABLE, NOTHING) if code in codes), DONE)

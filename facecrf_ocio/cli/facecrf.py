@@ -1,0 +1,151 @@
+"""The `facecrf` command: arguments in, one library call each, exit codes out.
+
+Heavy modules are imported by the commands that need them, so that `facecrf --help` is instant.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from facecrf_ocio import __version__
+from facecrf_ocio.cli.archive_commands import batch, report, verify
+from facecrf_ocio.cli.bench_command import bench
+from facecrf_ocio.cli.calibrate_command import calibrate
+from facecrf_ocio.cli.lint_command import lint
+from facecrf_ocio.cli.ocio_config_command import ocio_config
+from facecrf_ocio.cli.options import (
+    PHOTO_PATH,
+    TEXT_PATH,
+    Choices,
+    estimation_options,
+    exr_options,
+    space_option,
+)
+from facecrf_ocio.cli.pair_command import pair
+from facecrf_ocio.cli.terminal import (
+    DONE,
+    EXIT_CODES,
+    ending_well,
+    one_line,
+    require_writable,
+    speak_any_name,
+    status,
+    tell,
+)
+from facecrf_ocio.errors import OutputError
+
+
+@click.group(epilog=EXIT_CODES, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="facecrf")
+def main() -> None:
+    """From one photo with a face to an OCIO transform that makes it scene-linear."""
+    speak_any_name()
+
+
+main.add_command(calibrate)
+main.add_command(bench)
+main.add_command(pair)
+main.add_command(ocio_config)
+main.add_command(lint)
+main.add_command(batch)
+main.add_command(verify)
+main.add_command(report)
+
+
+@main.command()
+@click.argument("photo", type=PHOTO_PATH)
+@exr_options
+@space_option("the EXR is tagged as such")
+@estimation_options
+@ending_well
+def linearize(
+    photo: Path, output: Path, half: bool, compression: str, space: str | None, **choices: Any
+) -> int:
+    """Calibrate PHOTO and write it as a scene-linear EXR."""
+    chosen = Choices(**choices)
+    _require_exr_free(output, overwrite=chosen.overwrite)
+    written: tuple[Path, ...] = ()
+    with status(f"linearizing {photo}"):
+        source, estimate = chosen.read_and_estimate(photo)
+        if estimate.found is not None:
+            from facecrf_ocio.image.linearize import write_linear
+
+            written += (
+                write_linear(
+                    output,
+                    source,
+                    estimate,
+                    space=space or "",
+                    half=half,
+                    compression=compression,
+                    overwrite=chosen.overwrite,
+                ),
+            )
+    return tell(photo, estimate, written)
+
+
+@main.command()
+@click.argument("photo", type=PHOTO_PATH)
+@click.option("--lut", required=True, type=TEXT_PATH, help="Any LUT file OpenColorIO reads.")
+@exr_options
+@click.option("--overwrite", is_flag=True, help="Replace an existing EXR.")
+@ending_well
+def apply(
+    photo: Path, lut: Path, output: Path, half: bool, compression: str, overwrite: bool
+) -> int:
+    """Send PHOTO through a LUT made before and write it as a scene-linear EXR."""
+    from facecrf_ocio import read_photo
+    from facecrf_ocio.image.apply import linear_rows, write_exr
+    from facecrf_ocio.image.lut_lookup import lut_lookup
+
+    _require_exr_free(output, overwrite=overwrite)
+    with status(f"applying {lut}"):
+        source = read_photo(photo)
+        written = write_exr(
+            output,
+            linear_rows(source, lut_lookup(lut), half=half),
+            source,
+            provenance={"lut": lut.name, "version": __version__},
+            half=half,
+            compression=compression,
+            overwrite=overwrite,
+        )
+    click.echo(one_line(f"{photo}: sent through {lut}"))
+    click.echo(one_line(f"  {written}"))
+    return DONE
+
+
+@main.command()
+@click.option(
+    "-o",
+    "--output",
+    default=Path("facecrf-demo"),
+    show_default=True,
+    type=TEXT_PATH,
+    metavar="DIR",
+    help="Folder for the demo's files, which replace those of an earlier demo.",
+)
+@ending_well
+def demo(output: Path) -> int:
+    """Calibrate and linearize a portrait that comes with matplotlib (public domain)."""
+    from facecrf_ocio.cli.portrait_demo import run_demo
+
+    require_writable(output)
+    with status("calibrating a portrait of Grace Hopper"):
+        photo, estimate, written = run_demo(output)
+    return tell(photo, estimate, written)
+
+
+def _require_exr_free(path: Path, *, overwrite: bool) -> None:
+    """Raise OutputError unless an EXR may be written, before a photo is calibrated."""
+    from facecrf_ocio.files.atomic import require_free
+
+    if path.suffix.lower() != ".exr":
+        raise OutputError(f"{path}: is not named as OpenEXR; give it the suffix .exr")
+    require_free(path, overwrite=overwrite)
+    if not path.parent.exists():
+        raise OutputError(f"{path}: cannot be written: no such folder; create the folder first")
+    require_writable(path.parent)

@@ -1,0 +1,174 @@
+"""Options that several commands share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from facecrf_ocio.settings import ESTIMATOR_NAMES, FALLBACKS, PRIORS, VERDICTS, Settings
+
+if TYPE_CHECKING:
+    from facecrf_ocio.together import Together
+    from facecrf_ocio.values import Estimate, Photo
+
+COMPRESSIONS = (
+    *("none", "rle", "zip", "zips", "piz"),
+    *("pxr24", "b44", "b44a", "dwaa", "dwab"),
+)
+
+SPACE_NAMES = ("acescg", "lin_rec709", "lin_p3d65", "aces2065-1")
+
+
+class TextPath(click.Path):
+    """A path that is UTF-8 text, which is all that OpenColorIO and OpenImageIO take."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Take a path, or fail as wrong usage."""
+        path = super().convert(value, param, ctx)
+        try:
+            str(path).encode()
+        except UnicodeEncodeError:
+            self.fail("the name is not UTF-8 text; choose another", param, ctx)
+        return path
+
+
+# Not to be readable is no wrong usage, and one such photo must not keep the others.
+PHOTO_PATH = click.Path(readable=False, path_type=Path)
+TEXT_PATH = TextPath(readable=False, path_type=Path)
+
+
+def estimation_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options that `Choices` holds."""
+    options = (
+        click.option(
+            "--estimator",
+            type=click.Choice(ESTIMATOR_NAMES),
+            default="auto",
+            show_default=True,
+            metavar="NAME",
+            help=f"One of {', '.join(ESTIMATOR_NAMES)}.",
+        ),
+        click.option(
+            "--fallback",
+            type=click.Choice(FALLBACKS),
+            default="none",
+            show_default=True,
+            help="Curve to use where the photo gives no evidence.",
+        ),
+        click.option(
+            "--prior",
+            type=click.Choice(PRIORS),
+            default="auto",
+            show_default=True,
+            help="Responses to expect: film and early cameras (dorf), digital ones (modern), both.",
+        ),
+        click.option(
+            "--min-confidence",
+            type=click.Choice(VERDICTS),
+            default=VERDICTS[0],
+            help="Write nothing where the verdict is below this (exit code 4).",
+        ),
+        click.option(
+            "--per-channel/--shared",
+            "per_channel",
+            default=True,
+            help="One curve for each channel (default) or one for all three.",
+        ),
+        click.option("--overwrite", is_flag=True, help="Replace existing outputs."),
+    )
+    for option in reversed(options):
+        command = option(command)
+    return command
+
+
+@dataclass(frozen=True, slots=True)
+class Choices:
+    """How to estimate, as all commands that estimate take it."""
+
+    estimator: str
+    fallback: str
+    prior: str
+    min_confidence: str
+    per_channel: bool
+    overwrite: bool
+
+    @property
+    def settings(self) -> Settings:
+        """The default settings, changed as asked."""
+        return Settings(shared_curve=not self.per_channel)
+
+    def read_and_estimate(self, path: Path) -> tuple[Photo, Estimate]:
+        """Read one photo and estimate its curve."""
+        from facecrf_ocio import calibrate, read_photo
+        from facecrf_ocio.published.trust import demand
+
+        photo = read_photo(path)
+        estimate = calibrate(
+            photo,
+            estimator=self.estimator,
+            fallback=self.fallback,
+            prior=self.prior,
+            settings=self.settings,
+        )
+        return photo, demand(estimate, self.min_confidence)
+
+    def estimate_together(self, paths: tuple[Path, ...]) -> Together:
+        """One curve from all photos, which one camera took."""
+        from dataclasses import replace
+
+        from facecrf_ocio import calibrate_together, read_photo
+        from facecrf_ocio.published.trust import demand
+
+        photos = (read_photo(path) for path in paths)
+        together = calibrate_together(photos, prior=self.prior, settings=self.settings)
+        return replace(together, estimate=demand(together.estimate, self.min_confidence))
+
+
+def direction_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options that say which way a LUT goes, and how far: `direction`, `space`."""
+    options = (
+        click.option(
+            "--direction",
+            type=click.Choice(("linearize", "encode", "both")),
+            default="linearize",
+            show_default=True,
+            help="From code values to linear light, back (NAME.encode.clf), or a file for each.",
+        ),
+        space_option("clf and ctf only (NAME.acescg.clf)"),
+    )
+    for option in reversed(options):
+        command = option(command)
+    return command
+
+
+def space_option(how: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Return the option `--to`; `how` says what it means to the files written."""
+    return click.option(
+        "--to",
+        "space",
+        type=click.Choice(SPACE_NAMES),
+        help=f"Go on to a working space by the photo's primaries; {how}.",
+    )
+
+
+def exr_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options of an EXR to be written."""
+    options = (
+        click.option("-o", "--output", required=True, type=TEXT_PATH, metavar="OUT.exr"),
+        click.option("--half/--float", default=True, help="16-bit (default) or 32-bit floats."),
+        click.option(
+            "--compression",
+            type=click.Choice(COMPRESSIONS),
+            default="zip",
+            show_default=True,
+            metavar="NAME",
+            help=f"OpenEXR's; one of {', '.join(COMPRESSIONS)}.",
+        ),
+    )
+    for option in reversed(options):
+        command = option(command)
+    return command

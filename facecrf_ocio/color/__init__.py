@@ -1,0 +1,1 @@
+"""RGB primaries, white points and working spaces."""

@@ -1,0 +1,44 @@
+"""RGB primaries that have names, and the adaptation from one white to another."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from facecrf_ocio.values import Primaries
+
+D65 = (0.3127, 0.3290)
+D50 = (0.3457, 0.3585)
+
+# Red, green, blue, white as published: ITU-R BT.709, SMPTE EG 432-1, Adobe RGB (1998),
+# ITU-R BT.2020, ISO 22028-2 (ROMM).
+KNOWN_PRIMARIES = {
+    "Rec.709": ((0.640, 0.330), (0.300, 0.600), (0.150, 0.060), D65),
+    "Display P3": ((0.680, 0.320), (0.265, 0.690), (0.150, 0.060), D65),
+    "Adobe RGB": ((0.640, 0.330), (0.210, 0.710), (0.150, 0.060), D65),
+    "Rec.2020": ((0.708, 0.292), (0.170, 0.797), (0.131, 0.046), D65),
+    "ProPhoto": ((0.7347, 0.2653), (0.1596, 0.8404), (0.0366, 0.0001), D50),
+}
+
+# Profiles round their colorants to 1/65536 of XYZ and their makers' arithmetic differs by some
+# 0.001 in xy, while no two sets above are nearer to each other than 0.04.
+_SAME_XY = 0.004
+
+BRADFORD = np.array(
+    [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]]
+)
+
+
+def known_primaries(name: str, source: str) -> Primaries:
+    """Primaries by name, one of `KNOWN_PRIMARIES`."""
+    return Primaries(name, *KNOWN_PRIMARIES[name], source)
+
+
+def name_primaries(chromaticities: npt.ArrayLike, source: str) -> Primaries:
+    """Name the known set that (4, 2) CIE xy of red, green, blue, white belong to, or `custom`."""
+    xy = np.asarray(chromaticities, float).reshape(4, 2)
+    for name, known in KNOWN_PRIMARIES.items():
+        if np.abs(xy - np.array(known)).max() < _SAME_XY:
+            return known_primaries(name, source)
+    red, green, blue, white = ((float(x), float(y)) for x, y in xy)
+    return Primaries("custom", red, green, blue, white, source)

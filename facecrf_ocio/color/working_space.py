@@ -1,0 +1,95 @@
+"""From a photo's linear RGB to a working space: a 3 x 3 matrix."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from facecrf_ocio.color.primaries import BRADFORD, KNOWN_PRIMARIES
+from facecrf_ocio.errors import SettingsError
+from facecrf_ocio.values import Primaries
+
+ACES_WHITE = (0.32168, 0.33767)
+_XY = tuple[float, float]
+_NAMES = {
+    "acescg": "AP1",
+    "lin_rec709": "Rec.709",
+    "lin_p3d65": "Display P3",
+    "aces2065-1": "AP0",
+}
+
+# Red, green, blue, white as published: SMPTE ST 2065-1 (AP0), Academy S-2014-004 (AP1),
+# ITU-R BT.709, SMPTE EG 432-1.
+WORKING_SPACES: dict[str, tuple[_XY, _XY, _XY, _XY]] = {
+    "acescg": ((0.713, 0.293), (0.165, 0.830), (0.128, 0.044), ACES_WHITE),
+    "lin_rec709": KNOWN_PRIMARIES["Rec.709"],
+    "lin_p3d65": KNOWN_PRIMARIES["Display P3"],
+    "aces2065-1": ((0.7347, 0.2653), (0.0, 1.0), (0.0001, -0.0770), ACES_WHITE),
+}
+
+
+def working_primaries(name: str) -> Primaries:
+    """Primaries of a working space; SettingsError if it is not known."""
+    if name not in WORKING_SPACES:
+        raise SettingsError(f"no working space {name!r}; known: {', '.join(WORKING_SPACES)}")
+    return Primaries(_NAMES[name], *WORKING_SPACES[name], "working space")
+
+
+def working_space_matrix(primaries: Primaries | None, name: str) -> npt.NDArray[np.float64]:
+    """Matrix from linear RGB of the given primaries to a working space.
+
+    White maps to white: where the whites differ, the source is adapted with Bradford's matrix
+    (linear, complete adaptation; ICC.1:2022, annex E), as the ACES configs of OpenColorIO do.
+
+    Parameters
+    ----------
+    primaries
+        Of the source; None, where the file does not tell, stands for Rec.709.
+    name
+        One of `WORKING_SPACES`: `acescg`, `lin_rec709`, `lin_p3d65`, `aces2065-1`.
+
+    Returns
+    -------
+    numpy.ndarray
+        (3, 3), to be multiplied with columns of RGB.
+
+    Raises
+    ------
+    SettingsError
+        If the working space is not known, or the primaries span no color space.
+    """
+    space = working_primaries(name)
+    target, target_white = [space.red, space.green, space.blue], space.white
+    if primaries is None:
+        *source, source_white = KNOWN_PRIMARIES["Rec.709"]
+    else:
+        source = [primaries.red, primaries.green, primaries.blue]
+        source_white = primaries.white
+    if (tuple(source), source_white) == (tuple(target), target_white):
+        return np.eye(3)
+    try:
+        from_source = bradford(source_white, target_white) @ rgb_to_xyz(source, source_white)
+        return np.asarray(np.linalg.solve(rgb_to_xyz(target, target_white), from_source))
+    except (np.linalg.LinAlgError, ZeroDivisionError) as error:
+        raise SettingsError(
+            "the file's primaries span no color space; leave the working space out"
+        ) from error
+
+
+def rgb_to_xyz(rgb: list[_XY], white: _XY) -> npt.NDArray[np.float64]:
+    """Matrix (3, 3) from linear RGB to CIE XYZ, Y of white being 1 (SMPTE RP 177, sec. 3.3)."""
+    columns = np.stack([xyz(xy) for xy in rgb], axis=1)
+    return np.asarray(columns * np.linalg.solve(columns, xyz(white) / xyz(white)[1]))
+
+
+def bradford(source: _XY, target: _XY) -> npt.NDArray[np.float64]:
+    """Matrix (3, 3) that adapts CIE XYZ from one white, given as xy, to another."""
+    if source == target:
+        return np.eye(3)
+    cones = (BRADFORD @ xyz(target) / target[1]) / (BRADFORD @ xyz(source) / source[1])
+    return np.asarray(np.linalg.solve(BRADFORD, cones[:, None] * BRADFORD))
+
+
+def xyz(xy: _XY) -> npt.NDArray[np.float64]:
+    """Return x, y, z = 1 - x - y, which unlike X / Y has no pole at y = 0 (ACES blue is near)."""
+    return np.array([xy[0], xy[1], 1.0 - xy[0] - xy[1]])

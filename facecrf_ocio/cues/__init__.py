@@ -1,1 +1,0 @@
-"""What a photo can tell about its response: one file, one cue."""

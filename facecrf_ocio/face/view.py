@@ -1,0 +1,85 @@
+"""One face as the estimators look at it: cut out, scaled, with its mesh laid over it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from facecrf_ocio.face.detect import FoundFaces
+from facecrf_ocio.face.geometry import face_geometry
+from facecrf_ocio.photo.pixels import in_8_bits
+from facecrf_ocio.settings import Settings
+from facecrf_ocio.values import Face, FaceGeometry, Lacking, Photo
+
+MIN_SKIN_PIXELS = 400
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FaceView:
+    """One face cut out of the photo and scaled to the working size.
+
+    Attributes
+    ----------
+    face
+        As detected, in photo pixels.
+    encoded
+        (H, W, 3) float32 in [0, 1].
+    geometry
+        The mesh on this grid.
+    native
+        (h, w, 3) float32, the same cut as stored in the photo.
+    """
+
+    face: Face
+    encoded: npt.NDArray[np.float32]
+    geometry: FaceGeometry
+    native: npt.NDArray[np.float32]
+
+
+def cut_face(photo: Photo, face: Face, settings: Settings, *, to_8_bits: bool = False) -> FaceView:
+    """Cut a face out, scale it down to the working size, and lay its mesh over it.
+
+    With `to_8_bits` it is rounded to 8 bits before it is scaled; `native` is not.
+    """
+    height, width = photo.encoded.shape[:2]
+    points = face.landmarks_xyz[:, :2]
+    margin = 0.05 * face.box_xy[2]
+    left, top = np.maximum(np.floor(points.min(axis=0) - margin), 0).astype(int)
+    right, bottom = np.ceil(points.max(axis=0) + margin).astype(int)
+    cut = photo.encoded[top : min(bottom, height), left : min(right, width)]
+    face_width = float(np.ptp(points[:, 0]))
+    scale = min(1.0, settings.face_width / face_width)
+    size = (max(1, round(cut.shape[1] * scale)), max(1, round(cut.shape[0] * scale)))
+    # Channel by channel: a large face, rounded, would be a tenth of what a worker may take.
+    encoded = cv2.merge([_scaled(cut[..., c], size, to_8_bits=to_8_bits) for c in range(3)])
+    geometry = face_geometry(
+        face, (size[1], size[0]), origin=(float(left), float(top)), scale=scale
+    )
+    return FaceView(face, np.asarray(encoded, np.float32), geometry, cut)
+
+
+def _scaled(
+    channel: npt.NDArray[np.float32], size: tuple[int, int], *, to_8_bits: bool
+) -> npt.NDArray[np.float32]:
+    channel = in_8_bits(channel) if to_8_bits else np.ascontiguousarray(channel)
+    if channel.shape == size[::-1]:
+        return channel
+    return np.asarray(cv2.resize(channel, size, interpolation=cv2.INTER_AREA), np.float32)
+
+
+def lacking_faces(found: FoundFaces, settings: Settings) -> Lacking:
+    """Why no face of a photo can be used."""
+    if found.too_small:
+        return Lacking(
+            f"{count_faces(found.too_small)} found, narrower than {settings.min_face_width} px",
+            "use a larger version of the photo, or --fallback mean",
+        )
+    return Lacking("no face found", "use a photo with a face, or --fallback mean")
+
+
+def count_faces(count: int) -> str:
+    """As words."""
+    return "1 face" if count == 1 else f"{count} faces"

@@ -1,0 +1,1 @@
+"""From code values to scene-linear pixels, and on to an image file."""

@@ -1,0 +1,209 @@
+"""From code values to linear light, by a curve or by any LUT file, and on to a scene-linear EXR."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+import OpenImageIO as oiio  # noqa: N813
+
+from facecrf_ocio.errors import OutputError, SettingsError
+from facecrf_ocio.files.atomic import require_free
+from facecrf_ocio.image.exr_header import exr_header
+from facecrf_ocio.image.lookup import HALF_MAX, Lookup, curve_lookup
+from facecrf_ocio.image.lut_lookup import lut_lookup
+from facecrf_ocio.image.output import write_image_file
+from facecrf_ocio.values import InverseCRF, Photo
+
+Float32 = npt.NDArray[np.float32]
+Pixels = npt.NDArray[Any]
+Rows = Callable[[int, int], Pixels]
+
+_LARGEST_TABLE = 16  # [bit]
+_BAND = 256  # [row] a multiple of what OpenEXR compresses as one block
+
+
+def linearize_photo(photo: Photo, curve: InverseCRF) -> Float32:
+    """Map a photo's code values to relative linear light.
+
+    Parameters
+    ----------
+    photo
+        The photo; one that is scene-linear already is returned as it is.
+    curve
+        The inverse camera response.
+
+    Returns
+    -------
+    numpy.ndarray
+        (H, W, 3), equal to `curve.linearize(photo.encoded)`.
+    """
+    return photo.encoded if photo.scene_linear else _whole(photo, curve_lookup(curve))
+
+
+def apply_lut(photo: Photo, lut: str | Path) -> Float32:
+    """Send a photo through a LUT file, as `oiiotool PHOTO --ociofiletransform LUT` does.
+
+    Parameters
+    ----------
+    photo
+        The photo, scene-linear or not.
+    lut
+        Any file OpenColorIO reads; used forward. Values outside of its domain are clamped.
+
+    Returns
+    -------
+    numpy.ndarray
+        (H, W, 3) what the LUT makes of the code values.
+
+    Raises
+    ------
+    LutError
+        If the file is missing, is not a LUT, or gives NaN or infinities.
+    """
+    return _whole(photo, lut_lookup(lut))
+
+
+def linear_rows(photo: Photo, lookup: Lookup, *, half: bool = True) -> Rows:
+    """What a transform makes of a photo, a band of rows at a time, for `write_exr`.
+
+    Parameters
+    ----------
+    photo
+        The photo.
+    lookup
+        By `lookup.curve_lookup` or `lut_file.lut_lookup`.
+    half
+        Whether float16 will do; photos with alpha stay float32 until they are multiplied by it.
+
+    Returns
+    -------
+    Rows
+        Gives the rows from `begin` to `end`, (end - begin, W, 3); the next call reuses the memory.
+    """
+    dtype = np.float16 if half and photo.alpha is None else np.float32
+    buffer = np.empty((0, *photo.encoded.shape[1:]), dtype)
+
+    def rows(begin: int, end: int) -> Pixels:
+        nonlocal buffer
+        if len(buffer) < end - begin:
+            buffer = np.empty((end - begin, *buffer.shape[1:]), dtype)
+        return _look_up(photo, lookup, begin, end, buffer[: end - begin])
+
+    return rows
+
+
+def write_exr(
+    path: str | Path,
+    linear: Pixels | Rows,
+    photo: Photo,
+    *,
+    provenance: Mapping[str, str],
+    half: bool = True,
+    compression: str = "zip",
+    overwrite: bool = False,
+) -> Path:
+    """Write linear light as a scene-linear OpenEXR file, whole or not at all.
+
+    Parameters
+    ----------
+    path
+        The file, named .exr.
+    linear
+        (H, W, 3) relative linear light, float16 or float32; or a function that gives its rows, so
+        that a band of them is in memory and no more.
+    photo
+        Where it comes from: gives alpha (colors are multiplied by it, as OpenEXR has it),
+        primaries, and the metadata of its file that still hold.
+    provenance
+        Written as attributes `facecrf:KEY`.
+    half
+        16-bit floats, values clamped to 65504, or 32-bit floats.
+    compression
+        Any of OpenEXR: `none`, `rle`, `zip`, `zips`, `piz`, `dwaa`, ...
+    overwrite
+        Replace an existing file. The photo itself is never replaced.
+
+    Returns
+    -------
+    pathlib.Path
+        The file written.
+
+    Raises
+    ------
+    OutputError
+        If it exists and `overwrite` is false, or cannot be written.
+    """
+    path = Path(path)
+    shape = photo.encoded.shape
+    if not callable(linear) and linear.shape != shape:
+        raise SettingsError(f"{linear.shape} pixels do not belong to a {shape} photo")
+    if path.suffix.lower() != ".exr":
+        raise OutputError(f"{path}: is not named as OpenEXR; give it the suffix .exr")
+    require_free(path, overwrite=overwrite)
+    if photo.path is not None and path.exists() and path.samefile(photo.path):
+        raise OutputError(f"{path}: is the photo itself; choose another name")
+    count = 3 if photo.alpha is None else 4
+    header = exr_header((*shape[:2], count), photo, provenance, oiio.HALF if half else oiio.FLOAT)
+    header.attribute("compression", compression)
+    rows = linear if callable(linear) else _rows_of(linear)
+
+    def finished(begin: int, end: int) -> Pixels:
+        return _finished(rows(begin, end), photo, begin, end, half)
+
+    return write_image_file(path, partial(_write_bands, header, finished), overwrite=overwrite)
+
+
+def _whole(photo: Photo, lookup: Lookup) -> Float32:
+    result = np.empty_like(photo.encoded)
+    for begin in range(0, len(result), _BAND):
+        end = min(begin + _BAND, len(result))
+        _look_up(photo, lookup, begin, end, result[begin:end])
+    return result
+
+
+def _look_up(photo: Photo, lookup: Lookup, begin: int, end: int, out: Pixels) -> Pixels:
+    """Send rows through a transform, as integer codes where that is what they were.
+
+    Photos with alpha may hold values between codes, where their file had them multiplied by it.
+    """
+    band, bits = photo.encoded[begin:end], photo.bit_depth
+    if bits is None or bits > _LARGEST_TABLE or photo.alpha is not None or photo.scene_linear:
+        return lookup.apply(band, out=out)
+    if bits == 8:
+        return lookup.apply(cv2.convertScaleAbs(band, alpha=255), out=out)
+    maximum = 2**bits - 1
+    codes = np.rint(band * np.float32(maximum)).astype(np.uint16)
+    return lookup.apply(codes, out=out, maximum=maximum)
+
+
+def _rows_of(linear: Pixels) -> Rows:
+    return lambda begin, end: linear[begin:end]
+
+
+def _finished(linear: Pixels, photo: Photo, begin: int, end: int, half: bool) -> Pixels:
+    """Rows as they go into the file: multiplied by alpha, within the range of its type."""
+    if photo.alpha is not None:
+        alpha = photo.alpha[begin:end, :, None]
+        linear = np.concatenate([linear * alpha, alpha], axis=2, dtype=np.float32)
+    if half and linear.dtype != np.float16:
+        linear = np.clip(linear, -HALF_MAX, HALF_MAX)
+    return np.ascontiguousarray(linear)
+
+
+def _write_bands(header: oiio.ImageSpec, rows: Rows, path: Path) -> str:
+    """Write an EXR file over an empty one; what OpenImageIO says if it cannot."""
+    output: Any = oiio.ImageOutput.create("openexr")
+    written = output.open(str(path), header)
+    try:
+        for begin in range(0, header.height, _BAND):
+            end = min(begin + _BAND, header.height)
+            written = written and output.write_scanlines(begin, end, 0, rows(begin, end))
+    finally:
+        written = output.close() and written
+    return "" if written else output.geterror() or "no reason given"

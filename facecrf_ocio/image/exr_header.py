@@ -1,0 +1,102 @@
+"""What a linear image says of itself: metadata of its source that still hold, and its color."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import OpenImageIO as oiio  # noqa: N813
+
+from facecrf_ocio.color.primaries import known_primaries
+from facecrf_ocio.photo.read import open_image
+from facecrf_ocio.values import Photo, Primaries
+
+# Color Interop Forum, recommendation 03; other primaries have no identifier.
+_INTEROP_ID = {
+    "Rec.709": "lin_rec709_scene",
+    "Display P3": "lin_p3d65_scene",
+    "Rec.2020": "lin_rec2020_scene",
+    "Adobe RGB": "lin_adobergb_scene",
+    "AP1": "lin_ap1_scene",
+    "AP0": "lin_ap0_scene",
+}
+# What the source says of its own encoding, layout and upbringing, none of which is true of the
+# EXR: its pixels are linear, upright and in other types. Maker notes hold offsets into the source.
+_NOT_KEPT = re.compile(
+    r"(oiio|openexr|jpeg|png|tiff|gif|webp|dpx|cineon|psd|jpeg2000|heif|bmp|targa|ico|hdr|raw|"
+    r"ICCProfile|ICCProfile:.*|photoshop|thumbnail.*)(:.*)?|"
+    r"Exif:(ColorSpace|Gamma|Pixel[XY]Dimension|YCbCr.*|Compressed.*|Components.*|MakerNote|"
+    r"Interoperability.*|WhitePoint|PrimaryChromaticities|TransferFunction)|"
+    r"Orientation|compression|planarconfig|chromaticities|colorInteropID|whiteLuminance|"
+    r"acesImageContainerFlag|screenWindow.*|textureformat|wrapmodes|CICP|.*thumbnail.*",
+    re.IGNORECASE,
+)
+
+
+def exr_header(
+    shape: tuple[int, ...], photo: Photo, provenance: Mapping[str, str], kind: Any
+) -> oiio.ImageSpec:
+    """Header of an EXR of (H, W, C) linear pixels of a photo; `kind` is one of OpenImageIO's."""
+    height, width, count = shape
+    header = oiio.ImageSpec(width, height, count, kind)
+    header.channelnames = ("R", "G", "B", "A")[:count]
+    if photo.path is not None:
+        _keep_metadata(photo.path, header)
+    header.attribute("Orientation", 1)
+    if not header.get_string_attribute("DateTime"):
+        # Else the writer puts the time of writing there, and no two files are equal.
+        header.attribute("DateTime", "")
+    primaries = photo.primaries or known_primaries("Rec.709", "assumed")
+    tag_primaries(header, primaries)
+    notes = {"primaries": _primaries_note(primaries), **provenance}
+    for name, value in notes.items():
+        header.attribute(f"facecrf:{name}", value)
+    return header
+
+
+def tag_primaries(header: oiio.ImageSpec, primaries: Primaries) -> None:
+    """Say that the pixels are scene-linear and of these primaries."""
+    tag_color_space(header, _INTEROP_ID.get(primaries.name, "unknown"))
+    header.attribute("chromaticities", oiio.TypeDesc("float[8]"), _chromaticities(primaries))
+
+
+def tag_color_space(header: oiio.ImageSpec, interop_id: str) -> None:
+    """Say which color space of the Color Interop Forum the pixels are in, or `unknown`."""
+    header.attribute("oiio:ColorSpace", interop_id)
+    header.attribute("colorInteropID", interop_id)
+
+
+def still_holds(attribute: str) -> bool:
+    """Whether a source's attribute of this name is true of its upright linear pixels too."""
+    return not _NOT_KEPT.fullmatch(attribute)
+
+
+def _keep_metadata(path: Path, header: oiio.ImageSpec) -> None:
+    source = open_image(path)
+    if source is None:  # moved meanwhile, or camera raw: nothing to keep
+        oiio.geterror()
+        return
+    for item in source.spec().extra_attribs:
+        if still_holds(item.name):
+            _copy_attribute(item, header)
+    source.close()
+
+
+def _copy_attribute(item: Any, header: oiio.ImageSpec) -> None:
+    # OpenImageIO drops short integers without a word; Python's own become 32-bit ones.
+    if isinstance(item.value, int | float | str):
+        header.attribute(item.name, item.value)
+    else:
+        header.attribute(item.name, item.type, item.value)
+
+
+def _chromaticities(primaries: Primaries) -> tuple[float, ...]:
+    return (*primaries.red, *primaries.green, *primaries.blue, *primaries.white)
+
+
+def _primaries_note(primaries: Primaries) -> str:
+    if primaries.source == "assumed":
+        return f"assumed {primaries.name}"
+    return f"{primaries.name} by {primaries.source}"

@@ -1,0 +1,1 @@
+"""One curve to one LUT file, in any format, read back through OpenColorIO and compared."""

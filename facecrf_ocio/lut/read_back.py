@@ -1,0 +1,130 @@
+"""Reading a LUT file back through OpenColorIO and comparing it with its curve."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import PyOpenColorIO as ocio  # noqa: N813
+
+from facecrf_ocio.errors import LutError
+from facecrf_ocio.lut.table import LUT_LENGTH
+from facecrf_ocio.lut.transform import Recipe, expected
+from facecrf_ocio.values import Float, InverseCRF
+
+TOLERANCE = 1e-6
+# OCIO finds the place between two entries in float32: near white, to half a unit of 2**-23.
+_CODE_RESOLUTION = 2.0**-24
+
+
+def verify_lut(path: Path, curve: InverseCRF, *, name: Path | None = None) -> None:
+    """Check that OpenColorIO makes of a LUT file what the curve says.
+
+    Compared are all entries and, between them, all 16-bit codes.
+
+    Parameters
+    ----------
+    path
+        The file.
+    curve
+        What it should hold.
+    name
+        What to call the file in an error, where it is not yet at its place.
+
+    Raises
+    ------
+    LutError
+        If OpenColorIO cannot read the file, or differs from the curve by more than 1e-6 of white
+        beyond what the float32 resolution of code values makes of a step.
+    """
+    verify_recipe(path, Recipe(curve), name=name)
+
+
+def verify_recipe(path: Path, recipe: Recipe, *, name: Path | None = None) -> None:
+    """Check that OpenColorIO makes of a file what its recipe says; see `verify_lut`."""
+    name = path if name is None else name
+    places, tolerance = _places(), TOLERANCE
+    given = places
+    if recipe.encodes and recipe.matrix is not None:
+        given = (places @ recipe.matrix.T).astype(np.float32)
+    found: Float = _read_through_ocio(path, given, name).astype(np.float64)
+    if not recipe.encodes and recipe.matrix is not None:
+        found = np.linalg.solve(recipe.matrix, found.T).T
+        tolerance *= _gain(np.linalg.inv(recipe.matrix))
+    elif path.suffix.lower() == ".icc":
+        # It goes on to XYZ; what black and the three primaries become is the way back.
+        found = np.linalg.solve(
+            _read_through_ocio(path, np.eye(3, dtype=np.float32), name).T, found.T
+        ).T
+        tolerance *= 20.0  # entries are rounded to 1/65535, the colorants' inverse is near 3
+    resolution = _CODE_RESOLUTION
+    if recipe.encodes and recipe.matrix is not None:
+        resolution *= 4.0 * _gain(recipe.matrix) * _gain(np.linalg.inv(recipe.matrix))
+    nodes, values = expected(recipe, path.suffix.lower().removeprefix("."))
+    error = _worst_error(found, places, (nodes, values), resolution)
+    if not error <= tolerance:
+        raise LutError(
+            f"{name}: OpenColorIO reads it back with an error of {error:.3g}; nothing was written, "
+            "please report this"
+        )
+
+
+def _places() -> npt.NDArray[np.float32]:
+    """Return gray input (N, 3): the table's entries and all 16-bit codes."""
+    lengths = (LUT_LENGTH, 65536)
+    codes = np.concatenate([np.linspace(0.0, 1.0, n, dtype=np.float32) for n in lengths])
+    return np.repeat(codes[:, None], 3, axis=1)
+
+
+def _gain(matrix: Float) -> float:
+    return float(np.abs(matrix).sum(axis=1).max())
+
+
+def _read_through_ocio(
+    path: Path, given: npt.NDArray[np.float32], name: Path
+) -> npt.NDArray[np.float32]:
+    """Return (N, 3) what OCIO maps (N, 3) pixels to."""
+    pixels = np.ascontiguousarray(given).copy()
+    # OCIO takes a profile's own direction, from the connection space to the device, as forward.
+    to_device = path.suffix.lower() == ".icc"
+    direction = ocio.TRANSFORM_DIR_INVERSE if to_device else ocio.TRANSFORM_DIR_FORWARD
+    try:
+        transform = ocio.FileTransform(os.path.abspath(path))  # noqa: PTH100 - resolves no links
+        # An empty context keeps OCIO from expanding $HOME and the like in the folder's name.
+        processor = ocio.Config.CreateRaw().getProcessor(ocio.Context(), transform, direction)
+        processor.getOptimizedCPUProcessor(
+            ocio.BIT_DEPTH_F32, ocio.BIT_DEPTH_F32, ocio.OPTIMIZATION_LOSSLESS
+        ).applyRGB(pixels)
+    except ocio.Exception as error:
+        problem = " ".join(str(error).split())
+        raise LutError(f"{name}: OpenColorIO cannot read it back: {problem}") from error
+    except TypeError as error:  # how its binding meets a path that is not Unicode
+        raise LutError(
+            f"{name}: OpenColorIO cannot read from a folder whose name is not Unicode; "
+            "choose another folder"
+        ) from error
+    finally:
+        # It keeps every file it ever read, by path: a batch would fill the memory, and a file
+        # that is written again would be read as it was.
+        ocio.ClearAllCaches()
+    return pixels
+
+
+def _worst_error(
+    found: Float,
+    places: npt.NDArray[np.float32],
+    curve: tuple[Float, Float],
+    resolution: float,
+) -> float:
+    """Return by how much (N, 3) `found` leaves the curve as seen within the code resolution."""
+    worst = 0.0
+    for channel, (nodes, values) in enumerate(zip(*curve, strict=True)):
+        at = places[:, channel].astype(np.float64)
+        low = np.interp(at - resolution, nodes, values)
+        high = np.interp(at + resolution, nodes, values)
+        given = found[:, channel]
+        # NaN must not pass: np.max keeps it, and the caller's comparison refuses it.
+        worst = float(np.max([worst, np.max(low - given), np.max(given - high)]))
+    return worst

@@ -1,0 +1,289 @@
+"""From a photo file to a `Photo`: what the file says, and nothing added."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import OpenImageIO as oiio  # noqa: N813
+
+from facecrf_ocio.color.primaries import known_primaries, name_primaries
+from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.photo.integrity import COPY_AGAIN, check_file, check_size
+from facecrf_ocio.photo.pixels import (
+    Pixels,
+    code_values,
+    is_gray,
+    three_channels,
+    unpremultiplied,
+    upright,
+)
+from facecrf_ocio.photo.profile import icc_is_linear, primaries_from_icc
+from facecrf_ocio.photo.raw import RAW_SUFFIXES, decode_raw, is_raw
+from facecrf_ocio.values import Camera, Photo, Primaries, frozen
+
+_BAND_ROWS = 256
+_CONVERT = "convert it to JPEG, PNG, TIFF or EXR"
+_COPY_OR_CONVERT = f"if it should be one, {COPY_AGAIN}; else {_CONVERT}"
+_INTEGERS = {oiio.UINT8, oiio.INT8, oiio.UINT16, oiio.INT16, oiio.UINT32, oiio.INT32}
+# TIFF 6.0 and supplements: separated inks; CIELab, ICCLab, ITULab; the filter array of raw.
+_SEPARATED, _LAB, _FILTER_ARRAY = 5, (8, 9, 10), 32803
+_ENCODED_SPACE = re.compile(r"srgb|g\d\d|gamma|log|pq|hlg|bt1886|itu709")
+_SPACE_PRIMARIES = {"p3d65": "Display P3", "rec2020": "Rec.2020", "adobergb": "Adobe RGB"}
+
+
+def read_photo(path: str | Path) -> Photo:
+    """Read one photo: JPEG, PNG, TIFF, camera raw, EXR, and whatever else OpenImageIO reads.
+
+    The result is upright (EXIF orientation applied), with alpha kept aside. Of a file with
+    several images the first is read.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    Photo
+        Integer files: code values divided by their maximum, as they stand in the file. Floating
+        point and camera raw: linear light, `scene_linear` set.
+
+    Raises
+    ------
+    PhotoError
+        If the file is missing, unreadable, damaged, larger than `integrity.MAX_MEGAPIXELS`,
+        neither RGB nor gray, or holds NaN or infinities.
+    """
+    path = Path(path)
+    sha256 = check_file(path)
+    source = None if path.suffix.lower() in RAW_SUFFIXES else open_image(path)
+    if source is None or _is_raw_inside(path, source):
+        return _read_raw(path, sha256)
+    try:
+        return _read_image(path, source, sha256)
+    finally:
+        source.close()
+
+
+def open_image(path: Path) -> Any | None:
+    """Open a file with OpenImageIO, colors not multiplied by alpha; None if it cannot be."""
+    hints = oiio.ImageSpec()
+    hints.attribute("oiio:UnassociatedAlpha", 1)
+    return oiio.ImageInput.open(str(path), hints)
+
+
+def _is_raw_inside(path: Path, source: Any) -> bool:
+    """Whether a TIFF is camera raw under another name, of which only a thumbnail would be read."""
+    if source.format_name() != "tiff":
+        return False
+    photometric = source.spec().get_int_attribute("tiff:PhotometricInterpretation")
+    named_tiff = path.suffix.lower() in (".tif", ".tiff")
+    return (photometric == _FILTER_ARRAY or not named_tiff) and is_raw(path)
+
+
+def _read_raw(path: Path, sha256: str) -> Photo:
+    problem = _one_line(oiio.geterror(), path)
+    linear = decode_raw(path)
+    if linear is None and path.suffix.lower() in RAW_SUFFIXES:
+        remedy = "convert it to DNG, or export a 16-bit TIFF"
+        raise PhotoError(path, "is not camera raw that LibRaw knows", remedy)
+    if linear is None:
+        raise PhotoError(path, f"is not an image that can be read ({problem})", _COPY_OR_CONVERT)
+    header = open_image(path)
+    encoded = code_values(linear, 16)
+    encoded.flags.writeable = False  # or the photo would copy it
+    return Photo(
+        encoded,
+        scene_linear=True,
+        primaries=known_primaries("Rec.709", "camera raw decoding"),
+        camera=Camera() if header is None else _camera(header.spec()),
+        path=path,
+        sha256=sha256,
+    )
+
+
+def _read_image(path: Path, source: Any, sha256: str) -> Photo:
+    spec, file_format = source.spec(), source.format_name()
+    check_size(path, spec.width, spec.height)
+    _check_kind(path, spec, file_format)
+    channels, transparency = color_channels(path, spec), alpha_channel(spec)
+    icc = icc_profile(spec)
+    scene_linear = _is_scene_linear(spec, icc)
+    bits = spec.get_int_attribute("oiio:BitsPerSample", 8 * spec.format.size())
+    turn = spec.get_int_attribute("Orientation", 1)
+
+    alpha = None
+    if turn == 1 and _is_plain_16_bits(spec, channels):
+        encoded = _decode_by_bands(path, source, bits)
+    else:
+        codes = _decode(path, source)
+        if transparency is not None:
+            alpha = frozen(code_values(upright(codes[..., transparency], turn), bits), np.float32)
+        # The largest arrays of all: each is let go when the next is there, and none is copied.
+        color = three_channels(upright(_select(codes, channels), turn))
+        del codes
+        encoded = code_values(color, bits)
+        del color
+    if alpha is not None and is_premultiplied(spec, file_format):
+        encoded = unpremultiplied(encoded, alpha)
+        encoded = encoded if scene_linear else np.minimum(encoded, np.float32(1))
+    encoded.flags.writeable = False
+    return Photo(
+        encoded,
+        bit_depth=_bit_depth(spec, bits),
+        scene_linear=scene_linear,
+        grayscale=len(channels) == 1 or is_gray(encoded),
+        alpha=alpha,
+        primaries=primaries_of(spec, icc),
+        camera=_camera(spec),
+        path=path,
+        sha256=sha256,
+    )
+
+
+def _check_kind(path: Path, spec: Any, file_format: str) -> None:
+    """Refuse what is no photograph in RGB or gray."""
+    photometric = spec.get_int_attribute("tiff:PhotometricInterpretation")
+    spaces = [spec.get_string_attribute(f"{prefix}:ColorSpace") for prefix in ("jpeg", "tiff")]
+    spaces.append(spec.get_string_attribute("psd:ColorMode"))
+    if photometric == _SEPARATED or {"CMYK", "YCbCrK", "YCCK"} & set(spaces):
+        raise PhotoError(
+            path,
+            "is CMYK, an encoding for print that no camera wrote",
+            "use the RGB original from the camera",
+        )
+    if photometric in _LAB:
+        raise PhotoError(path, "is CIELab, not RGB", "use the RGB original from the camera")
+    if file_format == "null" or spec.deep or spec.depth > 1:
+        kind = "a deep image" if spec.deep else "a volume" if spec.depth > 1 else "no image"
+        raise PhotoError(path, f"is {kind}", _CONVERT)
+
+
+def color_channels(path: Path, spec: Any) -> list[int]:
+    """Indices of R, G, B by name, those without a layer's prefix first; or of one gray channel."""
+    names: Sequence[str] = [name.upper() for name in spec.channelnames]
+    layers = dict.fromkeys(["", *(name[: name.rfind(".") + 1] for name in names)])
+    for layer in layers:
+        if all(layer + channel in names for channel in "RGB"):
+            return [names.index(layer + channel) for channel in "RGB"]
+    color = [index for index in range(spec.nchannels) if index != alpha_channel(spec)]
+    if len(color) == 1:
+        return color
+    raise PhotoError(
+        path,
+        f"has the channels {', '.join(spec.channelnames)}, but no R, G and B",
+        "save its color channels as R, G, B",
+    )
+
+
+def alpha_channel(spec: Any) -> int | None:
+    """Index of alpha; by name, because the GIF reader's `alpha_channel` is one too high."""
+    return spec.channelnames.index("A") if "A" in spec.channelnames else None
+
+
+def _is_plain_16_bits(spec: Any, channels: Sequence[int]) -> bool:
+    """Whether rows of R, G, B in 16 bits, and nothing else, can be read one after another."""
+    rows_of_16_bits = spec.format.basetype == oiio.UINT16 and spec.tile_width == 0
+    return rows_of_16_bits and spec.nchannels == 3 and list(channels) == [0, 1, 2]
+
+
+def _decode_by_bands(path: Path, source: Any, bits: int) -> npt.NDArray[np.float32]:
+    """(H, W, 3) encoded values; the code values of 16 bits are never there as a whole.
+
+    Of 24 megapixels they would take 144 MB beside the 288 MB of the result.
+    """
+    spec = source.spec()
+    encoded = np.empty((spec.height, spec.width, 3), np.float32)
+    for top in range(0, spec.height, _BAND_ROWS):
+        end = min(top + _BAND_ROWS, spec.height)
+        rows = source.read_scanlines(spec.y + top, spec.y + end, 0, 0, 3, oiio.UINT16)
+        codes = _require_pixels(path, source, rows)
+        encoded[top:end] = code_values(codes.reshape(end - top, spec.width, 3), bits)
+    return encoded
+
+
+def _decode(path: Path, source: Any) -> Pixels:
+    """(H, W, C) of all channels: uint8 or uint16 as in the file, else float32."""
+    spec = source.spec()
+    kind = spec.format.basetype if spec.format.basetype in (oiio.UINT8, oiio.UINT16) else oiio.FLOAT
+    codes = source.read_image(0, 0, 0, spec.nchannels, kind)
+    codes = _require_pixels(path, source, codes)
+    return codes.reshape(spec.height, spec.width, spec.nchannels)
+
+
+def _require_pixels(path: Path, source: Any, codes: Any) -> Pixels:
+    """What a decoder gave, if it gave all of it."""
+    problem = _one_line(source.geterror(), path)
+    if problem or codes is None or codes.size == 0:
+        raise PhotoError(path, f"is cut short or damaged ({problem or 'no pixels'})", COPY_AGAIN)
+    return np.asarray(codes)
+
+
+def _select(codes: Pixels, channels: Sequence[int]) -> Pixels:
+    """(H, W, 3), or (H, W) of a single channel."""
+    if len(channels) == 1:
+        return codes[..., channels[0]]
+    return codes if codes.shape[2] == 3 and channels == [0, 1, 2] else codes[..., channels]
+
+
+def _bit_depth(spec: Any, bits: int) -> int | None:
+    """Bits of the code values; palettes tell those of their indices instead, so 8 at least."""
+    return max(bits, 8) if spec.format.basetype in _INTEGERS else None
+
+
+def is_premultiplied(spec: Any, file_format: str) -> bool:
+    """Whether colors are stored multiplied by alpha, which reading unassociated cannot undo."""
+    told = spec.get_int_attribute("oiio:UnassociatedAlpha")
+    return file_format == "openexr" or (file_format == "tiff" and not told)
+
+
+def _is_scene_linear(spec: Any, icc: bytes) -> bool:
+    """What profile and color space say, else linear for floating point and encoded for integers."""
+    by_profile = icc_is_linear(icc)
+    if by_profile is not None:
+        return by_profile
+    space = spec.get_string_attribute("oiio:ColorSpace").lower()
+    if space.startswith("lin") or spec.format.basetype in _INTEGERS:
+        return bool(space.startswith("lin"))
+    return _ENCODED_SPACE.search(space) is None
+
+
+def icc_profile(spec: Any) -> bytes:
+    """Bytes of an image's profile, empty where it has none."""
+    profile = spec.getattribute("ICCProfile")
+    return b"" if profile is None else bytes(bytearray(profile))
+
+
+def primaries_of(spec: Any, icc: bytes) -> Primaries | None:
+    """Primaries by ICC profile, else file attributes, else EXIF; None where none of them tells."""
+    by_profile = primaries_from_icc(icc)
+    if by_profile is not None:
+        return by_profile
+    chromaticities = spec.getattribute("chromaticities")
+    if chromaticities is not None and len(chromaticities) == 8:
+        return name_primaries(chromaticities, "file attribute")
+    space = spec.get_string_attribute("oiio:ColorSpace").lower()
+    for part, name in _SPACE_PRIMARIES.items():
+        if part in space:
+            return known_primaries(name, "file attribute")
+    # EXIF 2.32, tag 0xA001: 1 is sRGB; DCF 2.0 marks Adobe RGB by its interoperability index.
+    color_space = spec.get_int_attribute("Exif:ColorSpace")
+    if color_space == 2 or spec.get_string_attribute("Exif:InteroperabilityIndex") == "R03":
+        return known_primaries("Adobe RGB", "EXIF")
+    return known_primaries("Rec.709", "EXIF") if color_space == 1 else None
+
+
+def _camera(spec: Any) -> Camera:
+    names = ("Make", "Model", "Exif:BodySerialNumber", "Software")
+    return Camera(*(spec.get_string_attribute(name).strip("\0 ") for name in names))
+
+
+def _one_line(text: str, path: Path) -> str:
+    """First line of a decoder's complaint, without the file's name, which the error has already."""
+    first = text.strip().partition("\n")[0]
+    return first.replace(f'("{path}")', "").replace(f'"{path}"', "it").strip(" .")[:160]

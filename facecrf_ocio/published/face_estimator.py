@@ -1,0 +1,147 @@
+"""The face cue: from a photo to its single-pigment pairs, with or without shading (sec. 4-5)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+import scipy
+
+from facecrf_ocio.face.detect import find_faces
+from facecrf_ocio.face.skin_mask import SkinMask, find_skin
+from facecrf_ocio.face.view import MIN_SKIN_PIXELS, FaceView, count_faces, cut_face, lacking_faces
+from facecrf_ocio.published.answer import Answer, Cue, Evidence
+from facecrf_ocio.published.energy.pigment import PigmentEvidence, SkinPigment
+from facecrf_ocio.published.gradients import single_pigment_pairs
+from facecrf_ocio.published.intrinsic import Decomposition, prepare_decomposition
+from facecrf_ocio.published.pigments import separate_pigments
+from facecrf_ocio.published.solve import Weighted
+from facecrf_ocio.response.model import ResponseModel
+from facecrf_ocio.settings import Settings
+from facecrf_ocio.values import (
+    Float,
+    Lacking,
+    Photo,
+    PigmentGradients,
+    Pigments,
+)
+
+NODE_SPACING = 1.0 / 255.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AnalyzedFace:
+    """Every intermediate result of one face, in the order in which they are found.
+
+    The skin pixels of `mask.skin`, in row-major order, number the rows of `pigments` and the
+    indices of `gradients`.
+    """
+
+    view: FaceView
+    mask: SkinMask
+    decomposition: Decomposition
+    pigments: Pigments
+    gradients: PigmentGradients
+
+
+def face_cue(*, shaded: bool) -> Cue:
+    """The estimators `face` (shaded) and `face-unshaded` (`dD/D = 0`)."""
+    return partial(_gather, shaded=shaded)
+
+
+def _gather(photo: Photo, model: ResponseModel, settings: Settings, *, shaded: bool) -> Answer:
+    if photo.grayscale and photo.encoded.min() == photo.encoded.max():
+        return Lacking("all pixels have one color", "use a photo with a face")
+    if photo.grayscale:
+        return Lacking(
+            "the photo is grayscale, and pigments show only in color",
+            "use a color version, or --fallback mean",
+        )
+    found = find_faces(photo.encoded, settings)
+    if not found.faces:
+        return lacking_faces(found, settings)
+    analyzed = [analyze_face(cut_face(photo, face, settings), settings) for face in found.faces]
+    usable = [face for face in analyzed if face is not None]
+    evidence = [pigment_evidence(face, shaded=shaded) for face in usable]
+    joined = _join(evidence)
+    counts = [int(joined.is_melanin.sum()), int((~joined.is_melanin).sum())] if joined else [0, 0]
+    if joined is None or min(counts) < settings.min_pairs:
+        return Lacking(
+            f"the skin shows too few single-pigment changes ({counts[0]} of melanin and "
+            f"{counts[1]} of hemoglobin, {settings.min_pairs} of each are needed)",
+            "use a larger, evenly lit, unretouched face, or --fallback mean",
+        )
+    return Evidence(
+        terms=(
+            Weighted(
+                "pigment",
+                settings.pigment_weight,
+                SkinPigment(
+                    joined,
+                    model.grid.size,
+                    first_order=settings.first_order,
+                    balanced=settings.balance_channels,
+                ),
+            ),
+        ),
+        encoded=joined.encoded.reshape(3, -1).T,
+        summary=f"{count_faces(len(usable))}, {counts[0]} melanin and {counts[1]} hemoglobin pairs",
+        faces=tuple(face.view.face for face in usable),
+    )
+
+
+def analyze_face(view: FaceView, settings: Settings) -> AnalyzedFace | None:
+    """From skin mask to single-pigment pairs; None where there is too little skin."""
+    mask = find_skin(view.encoded, view.geometry.bare_skin, settings)
+    if int(mask.diffuse.sum()) < MIN_SKIN_PIXELS:
+        return None
+    decomposition = prepare_decomposition(view.encoded, view.geometry.normals, mask.skin, settings)
+    log_encoded = np.log(view.encoded[mask.skin].astype(np.float64))
+    log_pseudo_albedo = log_encoded - decomposition.shading(log_encoded)
+    diffuse = mask.diffuse[mask.skin]
+    pigments = separate_pigments(log_pseudo_albedo, diffuse, decomposition.neighbors)
+    gradients = single_pigment_pairs(pigments, decomposition.neighbors, diffuse, settings)
+    return AnalyzedFace(view, mask, decomposition, pigments, gradients)
+
+
+def pigment_evidence(analyzed: AnalyzedFace, *, shaded: bool) -> PigmentEvidence:
+    """Reduce a face to what E_p needs: its pairs, and their shading as a map of `log g`."""
+    pixels = analyzed.view.encoded[analyzed.mask.skin].astype(np.float64)
+    gradients = analyzed.gradients
+    encoded = pixels[gradients.pairs].transpose(2, 0, 1)
+    nodes = np.arange(0.0, 1.0 + NODE_SPACING / 2, NODE_SPACING)
+    if not shaded:
+        return PigmentEvidence(encoded, gradients.is_melanin, nodes, None)
+    weights = analyzed.decomposition.shading_change_weights(gradients.pairs)
+    shading = np.stack([_onto_nodes(weights, pixels[:, c], nodes) for c in range(3)])
+    return PigmentEvidence(encoded, gradients.is_melanin, nodes, shading)
+
+
+def _onto_nodes(weights: Float, encoded: Float, nodes: Float) -> Float:
+    """Gather weights (n, N) of pixels on the nodes around their encoded values, (N, J)."""
+    position = encoded / NODE_SPACING
+    lower = np.clip(position.astype(np.intp), 0, nodes.size - 2)
+    fraction = position - lower
+    pixel = np.arange(len(encoded))
+    interpolation = scipy.sparse.csc_matrix(
+        (
+            np.concatenate([1.0 - fraction, fraction]),
+            (np.concatenate([lower, lower + 1]), np.concatenate([pixel, pixel])),
+        ),
+        shape=(nodes.size, len(encoded)),
+    )
+    return np.ascontiguousarray((interpolation @ weights).T)
+
+
+def _join(evidence: list[PigmentEvidence]) -> PigmentEvidence | None:
+    """All faces together: one camera, and the same two pigments under the same light."""
+    if not evidence:
+        return None
+    shading = [e.shading for e in evidence if e.shading is not None]
+    return PigmentEvidence(
+        np.concatenate([e.encoded for e in evidence], axis=1),
+        np.concatenate([e.is_melanin for e in evidence]),
+        evidence[0].nodes,
+        np.concatenate(shading, axis=1) if shading else None,
+    )

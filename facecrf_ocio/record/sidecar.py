@@ -1,0 +1,290 @@
+"""The record of a calibration that stands beside its LUTs, NAME.crf.json."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from facecrf_ocio.errors import FaceCRFError, LutError, reason_of
+from facecrf_ocio.files import strict_json
+from facecrf_ocio.files.atomic import Draft, write_files
+from facecrf_ocio.files.versions import versions
+from facecrf_ocio.record.sampled import codes_record, one_for_all, read_codes, read_rows, thinned
+from facecrf_ocio.settings import Settings
+from facecrf_ocio.values import (
+    Camera,
+    Confidence,
+    Estimate,
+    Float,
+    InverseCRF,
+    Outcome,
+    Photo,
+    Primaries,
+    Verdict,
+    frozen,
+)
+
+SCHEMA = "facecrf sidecar"
+SCHEMA_VERSION = 2
+"""1 wrote all numbers of a curve for each channel; it is read, too."""
+
+SUFFIX = ".crf.json"
+_T = TypeVar("_T")
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """The photo a calibration was made from; `name` and `sha256` are None for one in memory."""
+
+    name: str | None
+    sha256: str | None
+    width: int
+    height: int
+    bit_depth: int | None
+    scene_linear: bool
+    grayscale: bool
+    camera: Camera
+    primaries: Primaries | None
+
+
+@dataclass(frozen=True, slots=True)
+class FaceBox:
+    """Where a face was: x, y, width, height in pixels, and the detector's score."""
+
+    box_xy: tuple[float, float, float, float]
+    score: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sidecar:
+    """What a sidecar holds; see Estimate for the fields of the same name.
+
+    Attributes
+    ----------
+    curve
+        The inverse CRF to the last digit; None where the photo could not be calibrated.
+    confidence
+        Its numbers have six significant digits; where they are smooth they are within 1e-5.
+    settings
+        All settings of the calibration, by name.
+    versions
+        Versions of this package, of Python and of the libraries.
+    luts
+        Names of the LUT files written with it.
+    """
+
+    source: Source
+    outcome: Outcome
+    estimator: str
+    reason: str
+    remedy: str
+    curve: InverseCRF | None
+    confidence: Confidence | None
+    coefficients: Float | None
+    energy: Mapping[str, float]
+    faces: tuple[FaceBox, ...]
+    assumptions: tuple[str, ...]
+    settings: Mapping[str, bool | int | float | str]
+    versions: Mapping[str, str]
+    luts: tuple[str, ...]
+
+
+def write_sidecar(
+    path: Path,
+    photo: Photo,
+    estimate: Estimate,
+    settings: Settings,
+    *,
+    luts: Sequence[Path] = (),
+    overwrite: bool = False,
+) -> Path:
+    """Write the record of one calibration, with or without a curve.
+
+    Raises
+    ------
+    OutputError
+        If the file exists and `overwrite` is false, or it cannot be written.
+    """
+    return write_files([sidecar_draft(path, photo, estimate, settings, luts)], overwrite=overwrite)[
+        0
+    ]
+
+
+def sidecar_draft(
+    path: Path, photo: Photo, estimate: Estimate, settings: Settings, luts: Sequence[Path]
+) -> Draft:
+    """Return the sidecar to be written, which is read back before it appears."""
+    record = {
+        "schema": SCHEMA,
+        "schema_version": SCHEMA_VERSION,
+        "outcome": estimate.outcome.value,
+        "estimator": estimate.estimator,
+        "reason": estimate.reason,
+        "remedy": estimate.remedy,
+        "source": asdict(_source(photo)),
+        "luts": [lut.name for lut in luts],
+        "linear_light": {
+            "exposure": "relative: known up to one factor",
+            "primaries": "unknown" if photo.primaries is None else photo.primaries.name,
+        },
+        "assumptions": estimate.assumptions,
+        "energy": estimate.energy,
+        "coefficients": estimate.coefficients,
+        "faces": [{"box_xy": face.box_xy, "score": face.score} for face in estimate.faces],
+        "confidence": _confidence_record(estimate.confidence),
+        "settings": asdict(settings),
+        "versions": versions(),
+        "curve": _curve_record(estimate.found),
+    }
+    return Draft(path, strict_json.dump(record), lambda written: _compare(written, path, estimate))
+
+
+def read_sidecar(path: Path) -> Sidecar:
+    """Read the record of a calibration.
+
+    Raises
+    ------
+    LutError
+        If the file cannot be read, is no sidecar, or comes from a newer version.
+    """
+    return _read(path, _sidecar)
+
+
+def read_source(path: Path) -> tuple[Source, tuple[str, ...]]:
+    """Read only what photo a record is of, and which LUTs were written with it.
+
+    Raises
+    ------
+    LutError
+        As `read_sidecar` does.
+    """
+    return _read(path, lambda record: (_read_source(record["source"]), tuple(record["luts"])))
+
+
+def _read(path: Path, parse: Callable[[Any], _T]) -> _T:
+    path = Path(path)
+    try:
+        record = strict_json.load(path.read_bytes())
+        _require_schema(record, path)
+        return parse(record)
+    except OSError as error:
+        raise LutError(f"{path}: cannot be read: {reason_of(error)}") from error
+    except LutError:
+        raise
+    except (FaceCRFError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise LutError(
+            f"{path}: is not a sidecar of facecrf, or was changed "
+            f"({type(error).__name__}: {' '.join(str(error).split())}); calibrate the photo again"
+        ) from error
+
+
+def _source(photo: Photo) -> Source:
+    height, width = photo.encoded.shape[:2]
+    return Source(
+        name=None if photo.path is None else photo.path.name,
+        sha256=photo.sha256,
+        width=width,
+        height=height,
+        bit_depth=photo.bit_depth,
+        scene_linear=photo.scene_linear,
+        grayscale=photo.grayscale,
+        camera=photo.camera,
+        primaries=photo.primaries,
+    )
+
+
+def _curve_record(curve: InverseCRF | None) -> dict[str, object] | None:
+    if curve is None:
+        return None
+    return {"encoded": codes_record(curve.encoded), "linear": one_for_all(curve.linear)}
+
+
+def _confidence_record(confidence: Confidence | None) -> dict[str, object] | None:
+    if confidence is None:
+        return None
+    return {
+        "verdict": confidence.verdict.value,
+        "reasons": confidence.reasons,
+        "sigma": thinned(confidence.sigma),
+        "coverage": thinned(confidence.coverage),
+    }
+
+
+def _compare(written: Path, path: Path, estimate: Estimate) -> None:
+    curve = read_sidecar(written).curve
+    found = estimate.found
+    same = (curve is None) == (found is None)
+    if curve is not None and found is not None:
+        same = np.array_equal(curve.encoded, found.encoded) and np.array_equal(
+            curve.linear, found.linear
+        )
+    if not same:
+        raise LutError(f"{path}: does not read back as written; please report this")
+
+
+# JSON is untyped: what is missing or of the wrong kind raises, and read_sidecar says so.
+def _require_schema(record: Any, path: Path) -> None:
+    if record["schema"] != SCHEMA:
+        raise ValueError(f"its schema is {record['schema']!r}")
+    if record["schema_version"] > SCHEMA_VERSION:
+        raise LutError(f"{path}: was written by a newer facecrf; update facecrf-ocio to read it")
+
+
+def _sidecar(record: Any) -> Sidecar:
+    curve, coefficients = _read_curve(record["curve"]), record["coefficients"]
+    return Sidecar(
+        source=_read_source(record["source"]),
+        outcome=Outcome(record["outcome"]),
+        estimator=str(record["estimator"]),
+        reason=str(record["reason"]),
+        remedy=str(record["remedy"]),
+        curve=curve,
+        confidence=_read_confidence(record["confidence"]),
+        coefficients=None if coefficients is None else _array(coefficients),
+        energy={name: _number(value) for name, value in record["energy"].items()},
+        faces=tuple(FaceBox(tuple(face["box_xy"]), face["score"]) for face in record["faces"]),
+        assumptions=tuple(record["assumptions"]),
+        settings=dict(record["settings"]),
+        versions=dict(record["versions"]),
+        luts=tuple(record["luts"]),
+    )
+
+
+def _read_curve(record: dict[str, Any] | None) -> InverseCRF | None:
+    if record is None:
+        return None
+    return InverseCRF(read_codes(record["encoded"]), read_rows(record["linear"]))
+
+
+def _read_source(record: dict[str, Any]) -> Source:
+    primaries = record["primaries"]
+    if primaries is not None:
+        pairs = {name: tuple(primaries[name]) for name in ("red", "green", "blue", "white")}
+        primaries = Primaries(**{**primaries, **pairs})
+    return Source(**{**record, "camera": Camera(**record["camera"]), "primaries": primaries})
+
+
+def _read_confidence(record: dict[str, Any] | None) -> Confidence | None:
+    if record is None:
+        return None
+    return Confidence(
+        sigma=frozen(read_rows(record["sigma"])),
+        coverage=frozen(read_rows(record["coverage"])),
+        verdict=Verdict(record["verdict"]),
+        reasons=tuple(record["reasons"]),
+    )
+
+
+def _array(numbers: list[Any]) -> Float:
+    """Return numbers, of which null stands for one that was not finite, as a read-only array."""
+    array = np.array(numbers, dtype=np.float64)
+    array.flags.writeable = False
+    return array
+
+
+def _number(value: float | None) -> float:
+    return float("nan") if value is None else float(value)

@@ -1,1 +1,0 @@
-"""From a face to its single-pigment gradients (sec. 5)."""
