@@ -6,7 +6,7 @@ from tempfile import mkdtemp
 import matplotlib.cbook
 import numpy as np
 
-from facecrf_ocio import calibrate, read_photo
+from facecrf_ocio import calibrate, read_photo, write_lut
 
 portrait = matplotlib.cbook.get_sample_data("grace_hopper.jpg", asfileobj=False)
 photo = read_photo(portrait)
@@ -19,4 +19,4 @@ for reason in estimate.confidence.reasons:
 code_118 = np.full((1, 3), 118 / 255)  # what sRGB calls middle gray, 18 % of white
 print("code 118 is linear", estimate.curve.linearize(code_118)[0].round(3))
 
-print(estimate.curve.write(Path(mkdtemp()) / "grace_hopper.spi1d"))
+print(write_lut(estimate.curve, Path(mkdtemp()) / "grace_hopper.spi1d"))

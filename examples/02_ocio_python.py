@@ -7,12 +7,12 @@ import matplotlib.cbook
 import numpy as np
 import PyOpenColorIO as ocio  # noqa: N813
 
-from facecrf_ocio import calibrate, read_photo
+from facecrf_ocio import calibrate, read_photo, write_lut
 
 photo = read_photo(matplotlib.cbook.get_sample_data("grace_hopper.jpg", asfileobj=False))
 curve = calibrate(photo).curve
 with tempfile.TemporaryDirectory() as folder:
-    lut = curve.write(Path(folder) / "grace_hopper.clf")
+    lut = write_lut(curve, Path(folder) / "grace_hopper.clf")
     transform = ocio.FileTransform(str(lut), interpolation=ocio.INTERP_LINEAR)
     processor = ocio.Config.CreateRaw().getProcessor(transform).getDefaultCPUProcessor()
 

@@ -10,7 +10,7 @@ import matplotlib.cbook
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813
 
-from facecrf_ocio import calibrate, read_photo
+from facecrf_ocio import calibrate, read_photo, write_lut
 
 beside = Path(sys.executable).parent / "oiiotool"  # the OpenImageIO wheel brings it
 oiiotool = str(beside) if beside.is_file() else shutil.which("oiiotool")
@@ -22,7 +22,7 @@ portrait = matplotlib.cbook.get_sample_data("grace_hopper.jpg", asfileobj=False)
 photo = read_photo(portrait)
 curve = calibrate(photo).curve
 with tempfile.TemporaryDirectory() as folder:
-    lut, exr = curve.write(Path(folder) / "a.spi1d"), Path(folder) / "a.exr"
+    lut, exr = write_lut(curve, Path(folder) / "a.spi1d"), Path(folder) / "a.exr"
     # The tag is ours to set: after a LUT, oiiotool still says that the pixels are sRGB.
     tag = ["--attrib", "oiio:ColorSpace", "lin_rec709_scene"]
     convert = ["-d", "float", "--ociofiletransform", lut, *tag, "-o", exr]

@@ -8,7 +8,7 @@ import matplotlib.cbook
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813
 
-from facecrf_ocio import calibrate, read_photo
+from facecrf_ocio import calibrate, read_photo, write_lut
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "nodes" / "oiio"))  # or pip install nodes/oiio
 from facecrf_oiio import linearize
@@ -17,7 +17,7 @@ portrait = matplotlib.cbook.get_sample_data("grace_hopper.jpg", asfileobj=False)
 photo = read_photo(portrait)
 curve = calibrate(photo).curve
 with tempfile.TemporaryDirectory() as folder:
-    lut = curve.write(Path(folder) / "grace_hopper.spi1d")
+    lut = write_lut(curve, Path(folder) / "grace_hopper.spi1d")
     linear = linearize(oiio.ImageBuf(str(portrait)), str(lut))
 print(linear.spec().format, linear.spec().get_string_attribute("oiio:ColorSpace"))
 expected = curve.linearize(photo.encoded).astype(np.float16).astype(np.float32)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from facecrf_ocio.joint import conclude as conclude
     from facecrf_ocio.joint import gather as gather
     from facecrf_ocio.joint import misfit as misfit
+    from facecrf_ocio.lut.write import write_lut as write_lut
     from facecrf_ocio.photo.read import read_photo as read_photo
     from facecrf_ocio.settings import Settings as Settings
     from facecrf_ocio.together import Together as Together
@@ -38,6 +39,7 @@ _HOME = {
     **dict.fromkeys(("Together", "calibrate_together"), "together"),
     **dict.fromkeys(("PhotoEvidence", "conclude", "gather", "misfit"), "joint"),
     "read_photo": "photo.read",
+    "write_lut": "lut.write",
     "Settings": "settings",
     **dict.fromkeys(
         (

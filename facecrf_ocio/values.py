@@ -214,27 +214,6 @@ class InverseCRF:
         """Map linear light to code values: the exact inverse of `linearize`."""
         return self._map(linear, tuple((curve, self.encoded) for curve in self.linear))
 
-    def write(
-        self, path: str | Path, *, overwrite: bool = False, direction: str = "linearize"
-    ) -> Path:
-        """Write the curve as the LUT its name's end tells, such as .spi1d; see `lut.write.FORMATS`.
-
-        With the direction `encode` the file holds the inverse, from linear light to code values.
-
-        The file appears whole or not at all, and is read back through OpenColorIO and compared.
-
-        Raises
-        ------
-        OutputError
-            If the file exists and `overwrite` is false, or it cannot be written.
-        LutError
-            If the ending is unknown or the file does not read back as written.
-        """
-        # The one import against the grain: the curve is what users hold when they want a file.
-        from facecrf_ocio.lut.write import write_lut  # noqa: PLC0415
-
-        return write_lut(self, Path(path), overwrite=overwrite, direction=direction)
-
     @staticmethod
     def _map(
         values: npt.ArrayLike, tables: tuple[tuple[Float, Float], ...]

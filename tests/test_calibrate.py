@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from skin_truth import SPECS
 
-from facecrf_ocio import Photo, calibrate
+from facecrf_ocio import Photo, calibrate, write_lut
 from facecrf_ocio.errors import NotCalibratedError, SettingsError
 from facecrf_ocio.face.view import cut_face
 from facecrf_ocio.published.face_estimator import analyze_face
@@ -67,7 +67,7 @@ def test_the_snippet_of_the_readme(portrait, tmp_path):
     estimate = calibrate(photo, estimator="face-unshaded")
     estimate.outcome, estimate.confidence, estimate.curve.encoded, estimate.curve.linear  # noqa: B018
     linear = estimate.curve.linearize(photo.encoded)
-    estimate.curve.write(tmp_path / "a.spi1d")
+    write_lut(estimate.curve, tmp_path / "a.spi1d")
 
     k = estimate.curve.encoded.size
     assert estimate.curve.linear.shape == (3, k)

@@ -207,7 +207,7 @@ def test_channels_stand_in_the_order_rgb(suffix: str, tmp_path: Path) -> None:
 @every_format
 def test_the_file_agrees_with_the_curves_own_linearize(suffix: str, tmp_path: Path) -> None:
     curve = curve_of(NODES**2.4, NODES**2.2, NODES**1.8)
-    path = curve.write(tmp_path / f"curve.{suffix}")
+    path = write_lut(curve, tmp_path / f"curve.{suffix}")
     codes = np.arange(256) / 255
     own = curve.linearize(np.repeat(codes[:, None], 3, axis=1)).T
     np.testing.assert_allclose(through_ocio(path, codes), own, rtol=0, atol=1e-6)

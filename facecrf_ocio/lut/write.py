@@ -37,7 +37,7 @@ _ONE_WAY = ("icc", "v4.icc")
 
 def write_lut(
     curve: InverseCRF,
-    path: Path,
+    path: str | Path,
     *,
     overwrite: bool = False,
     provenance: Mapping[str, str] | None = None,
