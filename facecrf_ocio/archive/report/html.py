@@ -20,6 +20,12 @@ from facecrf_ocio.archive.report.small_curves import CurveList, drawn_from_json,
 BLOCK = 50
 """Photos whose pictures stand in one block, which is parsed when one of them is shown."""
 
+# Parts of the one script, in the order in which they stand in it: later ones use earlier ones.
+_PARTS = (
+    *("elements", "curves", "pictures", "rows", "choice", "table", "pages", "detail"),
+    *("summary", "sections", "cameras", "brackets", "filters", "start"),
+)
+
 _Value = TypeVar("_Value")
 
 
@@ -157,10 +163,7 @@ def _json(value: object) -> str:
 
 
 def _assemble(blocks: Mapping[str, str]) -> bytes:
-    folder = files("facecrf_ocio.archive.report")
-    template, style, script = (
-        (folder / name).read_text(encoding="utf-8") for name in ("page.html", "page.css", "page.js")
-    )
+    template, style, script = _source("page.html"), _source("page.css"), page_script()
     # Nothing may run or be styled but what is hashed here; nothing may be fetched at all.
     policy = (
         f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; "
@@ -176,6 +179,17 @@ def _assemble(blocks: Mapping[str, str]) -> bytes:
     tail = tail.replace("/* script */", script)
     # What UTF-8 cannot hold becomes JSON's own escape: it can stand in the data alone.
     return (head + elements + tail).encode("utf-8", "backslashreplace")
+
+
+def page_script() -> str:
+    """Return the page's one script, put together from its parts, which share its names."""
+    parts = "\n".join(_source(f"{name}.js") for name in _PARTS)
+    return f'"use strict";\n(() => {{\n{parts}}})();\n'
+
+
+def _source(name: str) -> str:
+    place = files("facecrf_ocio.archive.report") / "page" / name
+    return place.read_text(encoding="utf-8")
 
 
 def _hash(text: str) -> str:

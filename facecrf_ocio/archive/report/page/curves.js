@@ -1,0 +1,92 @@
+// A curve and its band as a drawing.
+let curveTexts = null;
+const curveCache = new Map();
+function curveOf(index) {
+  if (index < 0) return null;
+  if (!curveTexts) curveTexts = load("curves");
+  if (!curveCache.has(index)) {
+    const bytes = Uint8Array.from(atob(curveTexts[index]), (c) => c.charCodeAt(0));
+    const view = new DataView(bytes.buffer);
+    const values = Array.from(
+      {length: bytes.length / 2},
+      (_, i) => view.getUint16(2 * i, true) / 65535,
+    );
+    const samples = DATA.srgb.length;
+    const channels = [];
+    for (let at = 0; at < values.length; at += 2 * samples) {
+      channels.push({
+        linear: values.slice(at, at + samples),
+        half: values.slice(at + samples, at + 2 * samples),
+      });
+    }
+    curveCache.set(index, channels);
+  }
+  return curveCache.get(index);
+}
+
+function told(channels) {
+  const names = channels.length === 1 ? [""] : ["red ", "green ", "blue "];
+  const middle = (DATA.srgb.length - 1) / 2;
+  const parts = channels.map(
+    ({linear, half}, i) =>
+      names[i] +
+      `${(100 * linear[middle]).toFixed(0)} % give or take ${(100 * half[middle]).toFixed(0)}`,
+  );
+  return `Curve: the middle code value is ${parts.join(", ")} of white; sRGB would be 21 %`;
+}
+
+function plot(index, width, height, label) {
+  const channels = curveOf(index);
+  const large = width > 200;
+  const [left, bottom, edge] = large ? [44, 40, 8] : [1, 1, 1];
+  const x = (u) => (left + u * (width - left - edge)).toFixed(1);
+  const y = (v) => (edge + (1 - Math.min(Math.max(v, 0), 1)) * (height - bottom - edge)).toFixed(1);
+  const u = (i) => i / (DATA.srgb.length - 1);
+  const path = (values) => values.map((v, i) => `${i ? "L" : "M"}${x(u(i))} ${y(v)}`).join("");
+  const picture = svg("svg", {
+    class: "plot",
+    width,
+    height,
+    viewBox: `0 0 ${width} ${height}`,
+    role: "img",
+    "aria-label": label || told(channels),
+  });
+  if (large) {
+    for (const tick of [0, 0.25, 0.5, 0.75, 1]) {
+      picture.append(
+        svg("line", {class: "grid", x1: x(tick), x2: x(tick), y1: y(0), y2: y(1)}),
+        svg("line", {class: "grid", x1: x(0), x2: x(1), y1: y(tick), y2: y(tick)}),
+        svg("text", {x: x(tick), y: height - 24, "text-anchor": "middle"}, String(tick)),
+        svg("text", {x: left - 6, y: +y(tick) + 4, "text-anchor": "end"}, String(tick)),
+      );
+    }
+    const half = +y(0.5);
+    picture.append(
+      svg("text", {x: x(0.5), y: height - 5, "text-anchor": "middle"}, "code value"),
+      svg(
+        "text",
+        {x: 11, y: half, "text-anchor": "middle", transform: `rotate(-90 11 ${half})`},
+        "relative linear light",
+      ),
+    );
+  } else {
+    picture.append(
+      svg("rect", {class: "frame", x: 0.5, y: 0.5, width: width - 1, height: height - 1}),
+    );
+  }
+  const color = (kind, i) => (channels.length === 1 ? "" : ` ${kind}${"rgb"[i]}`);
+  channels.forEach(({linear, half}, i) => {
+    if (!half.some((h) => h > 0)) return;
+    const up = path(linear.map((v, k) => v + half[k]));
+    const down = linear
+      .map((v, k) => `L${x(u(k))} ${y(v - half[k])}`)
+      .reverse()
+      .join("");
+    picture.append(svg("path", {class: `area${color("a", i)}`, d: `${up}${down}Z`}));
+  });
+  picture.append(svg("path", {class: "reference", d: path(DATA.srgb)}));
+  channels.forEach(({linear}, i) =>
+    picture.append(svg("path", {class: `line${color("c", i)}`, d: path(linear)})),
+  );
+  return picture;
+}
