@@ -176,3 +176,31 @@ def oiiotool(photo: Path, lut: Path, result: Path) -> npt.NDArray[np.float32]:
     command = [OIIOTOOL, photo, "-d", "float", "--ociofiletransform", lut, "-d", "float"]
     subprocess.run([*command, "-o", result], check=True)
     return pixels_of(result)
+
+
+def exif_of(tags: dict[int, bytes | int]) -> bytes:
+    """EXIF (little-endian TIFF) of one directory: texts as bytes with their NUL, or shorts."""
+    entries = sorted(tags.items())
+    table, values = struct.pack("<H", len(entries)), b""
+    beyond = 8 + 2 + 12 * len(entries) + 4
+    for tag, said in entries:
+        kind, count = (2, len(said)) if isinstance(said, bytes) else (3, 1)
+        value = said if isinstance(said, bytes) else struct.pack("<H", said)
+        if len(value) > 4:
+            value, values = struct.pack("<I", beyond + len(values)), values + value
+        table += struct.pack("<HHI", tag, kind, count) + value.ljust(4, b"\0")
+    return b"II*\0" + struct.pack("<I", 8) + table + bytes(4) + values
+
+
+def app1(exif: bytes) -> bytes:
+    """A JPEG's segment of EXIF."""
+    return segment(0xE1, b"Exif\0\0" + exif)
+
+
+def segment(marker: int, content: bytes) -> bytes:
+    return bytes([0xFF, marker]) + struct.pack(">H", len(content) + 2) + content
+
+
+def with_segments(jpeg: bytes, *segments: bytes) -> bytes:
+    """A JPEG with more segments right after its start."""
+    return jpeg[:2] + b"".join(segments) + jpeg[2:]

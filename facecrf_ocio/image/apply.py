@@ -14,6 +14,7 @@ import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio.errors import OutputError, SettingsError
 from facecrf_ocio.files.atomic import require_free
+from facecrf_ocio.files.plain_text import complaint
 from facecrf_ocio.image.exr_header import exr_header
 from facecrf_ocio.image.lookup import HALF_MAX, Lookup, curve_lookup
 from facecrf_ocio.image.lut_lookup import lut_lookup
@@ -206,4 +207,4 @@ def _write_bands(header: oiio.ImageSpec, rows: Rows, path: Path) -> str:
             written = written and output.write_scanlines(begin, end, 0, rows(begin, end))
     finally:
         written = output.close() and written
-    return "" if written else output.geterror() or "no reason given"
+    return "" if written else complaint(output.geterror) or "no reason given"

@@ -10,6 +10,7 @@ from typing import Any
 import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio.color.primaries import known_primaries
+from facecrf_ocio.files.plain_text import complaint, plain_text
 from facecrf_ocio.photo.read import open_image
 from facecrf_ocio.values import Photo, Primaries
 
@@ -33,6 +34,9 @@ _NOT_KEPT = re.compile(
     r"acesImageContainerFlag|screenWindow.*|textureformat|wrapmodes|CICP|.*thumbnail.*",
     re.IGNORECASE,
 )
+
+_LONGEST = 1 << 16
+"""[characters] Of one text; EXIF has room for no more."""
 
 
 def exr_header(
@@ -76,7 +80,7 @@ def still_holds(attribute: str) -> bool:
 def _keep_metadata(path: Path, header: oiio.ImageSpec) -> None:
     source = open_image(path)
     if source is None:  # moved meanwhile, or camera raw: nothing to keep
-        oiio.geterror()
+        complaint(oiio.geterror)
         return
     for item in source.spec().extra_attribs:
         if still_holds(item.name):
@@ -86,10 +90,18 @@ def _keep_metadata(path: Path, header: oiio.ImageSpec) -> None:
 
 def _copy_attribute(item: Any, header: oiio.ImageSpec) -> None:
     # OpenImageIO drops short integers without a word; Python's own become 32-bit ones.
-    if isinstance(item.value, int | float | str):
-        header.attribute(item.name, item.value)
+    name, value = plain_text(item.name), _plain(item.value)
+    if isinstance(value, int | float | str):
+        header.attribute(name, value)
     else:
-        header.attribute(item.name, item.type, item.value)
+        header.attribute(name, item.type, value)
+
+
+def _plain(value: Any) -> Any:
+    """Texts as OpenImageIO takes them, which is UTF-8 alone; anything else as it is."""
+    if isinstance(value, str):
+        return plain_text(value, limit=_LONGEST, lines=True)
+    return tuple(map(_plain, value)) if isinstance(value, tuple) else value
 
 
 def _chromaticities(primaries: Primaries) -> tuple[float, ...]:

@@ -10,6 +10,7 @@ import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio.errors import OutputError
 from facecrf_ocio.files.atomic import Draft, write_files
+from facecrf_ocio.files.plain_text import complaint
 from facecrf_ocio.photo.read import open_image
 
 
@@ -56,7 +57,7 @@ def _require_space(path: Path) -> None:
 def _why_it_does_not_open(path: Path) -> str:
     written = open_image(path)
     if written is None:
-        return _one_line(oiio.geterror()) or "no reason given"
+        return _one_line(complaint(oiio.geterror)) or "no reason given"
     written.close()
     return ""
 

@@ -12,6 +12,7 @@ import numpy.typing as npt
 import rawpy
 
 from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_size
 
 _NAMES = """
@@ -66,13 +67,8 @@ def decode_raw(path: Path) -> npt.NDArray[np.uint16] | None:
         # LibRaw gives up on a few bytes of anything before it asks whether they are camera raw.
         if path.suffix.lower() not in RAW_SUFFIXES and not is_raw(path):
             return None
-        reason = error.args[0] if error.args else ""
-        text = reason.decode(errors="replace") if isinstance(reason, bytes) else str(reason)
-        raise PhotoError(
-            path,
-            f"is damaged or cut short camera raw ({text})",
-            COPY_AGAIN,
-        ) from error
+        problem = f"is damaged or cut short camera raw ({plain_text(error)})"
+        raise PhotoError(path, problem, COPY_AGAIN) from error
     return np.asarray(linear, np.uint16)
 
 

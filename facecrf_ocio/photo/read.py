@@ -13,6 +13,7 @@ import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio.color.primaries import known_primaries, name_primaries
 from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.files.plain_text import complaint, plain_text
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_file, check_size
 from facecrf_ocio.photo.pixels import (
     Pixels,
@@ -87,7 +88,7 @@ def _is_raw_inside(path: Path, source: Any) -> bool:
 
 
 def _read_raw(path: Path, sha256: str) -> Photo:
-    problem = _one_line(oiio.geterror(), path)
+    problem = _one_line(complaint(oiio.geterror), path)
     linear = decode_raw(path)
     if linear is None and path.suffix.lower() in RAW_SUFFIXES:
         remedy = "convert it to DNG, or export a 16-bit TIFF"
@@ -218,7 +219,7 @@ def _decode(path: Path, source: Any) -> Pixels:
 
 def _require_pixels(path: Path, source: Any, codes: Any) -> Pixels:
     """What a decoder gave, if it gave all of it."""
-    problem = _one_line(source.geterror(), path)
+    problem = _one_line(complaint(source.geterror), path)
     if problem or codes is None or codes.size == 0:
         raise PhotoError(path, f"is cut short or damaged ({problem or 'no pixels'})", COPY_AGAIN)
     return np.asarray(codes)
@@ -280,7 +281,7 @@ def primaries_of(spec: Any, icc: bytes) -> Primaries | None:
 
 def _camera(spec: Any) -> Camera:
     names = ("Make", "Model", "Exif:BodySerialNumber", "Software")
-    return Camera(*(spec.get_string_attribute(name).strip("\0 ") for name in names))
+    return Camera(*(plain_text(spec.get_string_attribute(name)) for name in names))
 
 
 def _one_line(text: str, path: Path) -> str:

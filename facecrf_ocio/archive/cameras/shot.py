@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from facecrf_ocio.archive.work.task import Shot
+from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.photo.read import open_image
 
 # EXIF 2.32, sec. 4.6.5, and Canon's maker notes: whatever changes the tone curve.
@@ -31,7 +32,9 @@ def read_shot(path: Path) -> Shot:
     try:
         spec = source.spec()
         said = ((name, spec.getattribute(name)) for name in _STYLE)
-        style = "; ".join(f"{name}={value}" for name, value in said if value is not None)
+        style = "; ".join(
+            f"{name}={plain_text(value)}" for name, value in said if value is not None
+        )
         iso = next((value for name in _ISO if (value := _number(spec, name))), 0.0)
         return Shot(
             style, _taken(spec), _number(spec, "ExposureTime"), _number(spec, "FNumber"), iso
