@@ -316,6 +316,24 @@ class PigmentGradients:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class InStops:
+    """How far a curve may be trusted, in stops, once the one free factor is out (code 128).
+
+    Attributes
+    ----------
+    sigma
+        (3, 256) standard deviation of log2 of linear light over that at mid-gray, at each 8-bit
+        code.
+    mid, shadows
+        Expected mean error over codes 64 to 235, and 16 to 64, as `response.stops` measures it.
+    """
+
+    sigma: Float
+    mid: float
+    shadows: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Confidence:
     """How far an estimate may be trusted.
 
@@ -329,12 +347,15 @@ class Confidence:
         In one word.
     reasons
         In sentences.
+    in_stops
+        The same in stops; None where it is not known (records of older versions).
     """
 
     sigma: Float
     coverage: Float
     verdict: Verdict
     reasons: tuple[str, ...]
+    in_stops: InStops | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from facecrf_ocio.benchmark.metrics import error_in_stops, score, weighted_median
+from facecrf_ocio.benchmark.metrics import in_8_bits, score
 from facecrf_ocio.benchmark.responses import read_responses
 from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import dorf_model, strictly_increasing
-from facecrf_ocio.values import Confidence, InverseCRF, Verdict
+from facecrf_ocio.response.stops import stops_error, uniform
+from facecrf_ocio.values import Confidence, InStops, InverseCRF, Verdict
 
 GRID = np.linspace(0.0, 1.0, 1024)
 FINE = np.linspace(0.0, 1.0, 4096)
@@ -25,8 +24,8 @@ def truth_of(*exponents):
     return np.array([GRID**e for e in exponents])
 
 
-def confidence(sigma):
-    return Confidence(sigma, np.ones_like(sigma), Verdict.WEAK, ("",))
+def confidence(sigma, in_stops=None):
+    return Confidence(sigma, np.ones_like(sigma), Verdict.WEAK, ("",), in_stops)
 
 
 def counts(seed=0, levels=256):
@@ -36,8 +35,7 @@ def counts(seed=0, levels=256):
 def test_the_truth_has_no_error():
     result = score(power(2.2, 2.2, 2.2), None, truth_of(2.2, 2.2, 2.2), counts())
     assert result.rmse < 1e-6
-    assert result.rmse_scaled < 1e-6
-    assert result.stops < 1e-4
+    assert max(abs(result.bias), result.mid, result.shadows, result.used) < 1e-4
 
 
 def test_rmse_is_that_of_the_integral():
@@ -50,27 +48,18 @@ def test_rmse_is_that_of_the_integral():
     assert result.rmse == pytest.approx(np.mean(exact), abs=2e-4)
 
 
-def test_the_free_scale_is_the_best_one():
-    truth = truth_of(2.0, 2.4, 2.8)
-    result = score(power(3.0, 3.0, 3.5), None, truth, counts())
-    estimated = np.array([GRID**3.0, GRID**3.0, GRID**3.5])
-    scales = np.linspace(0.5, 2.0, 15001)
-    total = [((s * estimated - truth) ** 2).sum() for s in scales]
-    best = scales[np.argmin(total)]
-    direct = np.sqrt(((best * estimated - truth) ** 2).mean(axis=1)).mean()
-    assert result.rmse_scaled == pytest.approx(direct, abs=1e-4)
-    assert result.rmse_scaled < result.rmse
+def test_errors_in_stops_are_those_of_response_stops():
+    truth, curve, pixels = truth_of(2.0, 2.4, 2.8), power(3.0, 3.0, 3.5), counts(1)
+    result, error = score(curve, None, truth, pixels), stops_error(uniform(curve), truth, pixels)
+    assert (result.mid, result.shadows, result.used) == (error.mid, error.shadows, error.used)
 
 
-def test_stops_are_the_median_over_pixels():
-    truth, pixels = truth_of(2.0, 2.2, 2.4), counts(1)
-    curve = power(2.5, 2.2, 2.0)
-    codes = np.arange(1, 255) / 255
-    exponents = np.array([[0.5], [0.0], [-0.4]])
-    stops = (exponents * np.log2(codes)).ravel()
-    listed = np.repeat(stops, pixels[:, 1:255].ravel())
-    deviation = np.abs(listed - np.median(listed))
-    assert error_in_stops(curve, truth, pixels) == pytest.approx(np.median(deviation), abs=2e-3)
+def test_bias_is_above_zero_where_the_estimate_is_too_bright():
+    """x^1.5 - x^2 has the mean 1 / 2.5 - 1 / 3; in stops, above mid-gray a lower power is less."""
+    result = score(power(1.5, 1.5, 1.5), None, truth_of(2.0, 2.0, 2.0), counts())
+    assert result.bias == pytest.approx(1 / 2.5 - 1 / 3, abs=1e-3)
+    codes = np.arange(64, 236)
+    assert result.bias_stops == pytest.approx((-0.5 * np.log2(codes / 128)).mean(), abs=1e-3)
 
 
 def test_stops_ignore_exposure_and_codes_the_photo_does_not_use():
@@ -79,22 +68,38 @@ def test_stops_ignore_exposure_and_codes_the_photo_does_not_use():
     curve = InverseCRF(FINE, np.tile(bent, (3, 1)))
     pixels = counts(2)
     pixels[:, 200:255] = 0
-    assert error_in_stops(curve, truth, pixels) < 1e-4
-    assert score(curve, None, truth, pixels).rmse > 0.1
+    result = score(curve, None, truth, pixels)
+    assert result.used < 1e-4
+    assert result.rmse > 0.1
 
 
-def test_a_photo_without_unclipped_pixels_has_no_error_in_stops():
+def test_a_photo_without_unclipped_pixels_has_no_error_over_codes_it_uses():
     pixels = np.zeros((3, 256), dtype=np.int64)
     pixels[:, [0, 255]] = 1000
-    assert error_in_stops(power(2, 2, 2), truth_of(2, 2, 2), pixels) is None
+    assert score(power(2, 2, 2), None, truth_of(2, 2, 2), pixels).used is None
 
 
-@settings(max_examples=60, deadline=None)
-@given(st.lists(st.tuples(st.floats(-9, 9), st.integers(1, 7)), min_size=1, max_size=20))
-def test_weighted_median_is_the_lower_median_of_the_repeated_values(pairs):
-    values, weights = np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])
-    listed = np.sort(np.repeat(values, weights))
-    assert weighted_median(values, weights) == listed[(len(listed) - 1) // 2]
+def test_pixels_of_finer_photos_are_counted_at_the_nearest_of_256_codes():
+    pixels = counts(3, levels=4096)
+    found = in_8_bits(pixels)
+    codes = np.rint(np.arange(4096) / 4095 * 255).astype(int)
+    assert found.shape == (3, 256)
+    for code in (0, 1, 77, 255):
+        np.testing.assert_array_equal(found[:, code], pixels[:, codes == code].sum(axis=1))
+
+
+def test_the_band_in_stops_is_judged_where_a_compositor_looks():
+    """Over codes 16 to 235 but mid-gray: half of 218 codes within, half of them not."""
+    codes = np.arange(256)
+    error = np.abs(0.5 * np.log2(np.maximum(codes, 1) / 128))
+    sigma = np.where(codes < 128, error / 1.6, error / 1.7)
+    told = InStops(np.tile(sigma, (3, 1)), 0.1, 0.2)
+    curve = power(2.5, 2.5, 2.5)
+    result = score(curve, confidence(np.ones((3, 4096)), told), truth_of(2, 2, 2), counts())
+    assert result.band_stops == pytest.approx(112 / 219, abs=0.01)
+    assert (
+        score(curve, confidence(np.ones((3, 4096))), truth_of(2, 2, 2), counts()).band_stops is None
+    )
 
 
 def test_band_coverage_is_the_share_of_codes_within_1645_sigma():

@@ -18,14 +18,21 @@ _LEFT_OUT = frozenset(FIXED_CURVES) - {"mean", "srgb"}
 
 
 def percentiles_markdown(results: Sequence[Result]) -> str:
-    """Percentiles of RMSE x 100 for each protocol and estimator."""
-    cells = []
+    """Percentiles of the error in stops and of RMSE x 100 for each protocol and estimator."""
     groups = grouped(results, lambda result: (result.protocol, result.estimator))
+    stops, hundredfold = [], []
     for (protocol, estimator), group in groups.items():
-        values = 100.0 * np.percentile([result.rmse for result in group], PERCENTILES)
-        cells.append([estimator, protocol, *(f"{value:.2f}" for value in values)])
-    headings = ["percentiles of RMSE x 100", "protocol", *map(str, PERCENTILES)]
-    return markdown_table(headings, cells) + "\n"
+        mid = np.percentile([result.mid for result in group], PERCENTILES)
+        rmse = 100.0 * np.percentile([result.rmse for result in group], PERCENTILES)
+        stops.append([estimator, protocol, *(f"{value:.3f}" for value in mid)])
+        hundredfold.append([estimator, protocol, *(f"{value:.2f}" for value in rmse)])
+    headings = ["protocol", *map(str, PERCENTILES)]
+    return "\n\n".join(
+        [
+            markdown_table(["percentiles of stops, 64-235", *headings], stops),
+            markdown_table(["percentiles of RMSE x 100", *headings], hundredfold) + "\n",
+        ]
+    )
 
 
 def groups_markdown(
@@ -56,8 +63,9 @@ def groups_markdown(
     ]
     if not cells:
         return ""
-    headings = [title, "protocol", "estimator", "photos", "median", "mean", "max"]
-    return markdown_table([*headings, "scaled median", "band %"], cells) + "\n"
+    headings = [title, "protocol", "estimator", "photos", "stops median", "mean", "max", "shadows"]
+    others = ["band %", "RMSE median", "mean", "max", "band %"]
+    return markdown_table([*headings, *others], cells) + "\n"
 
 
 def image_groups(path: Path, column: str) -> dict[str, str]:
@@ -92,6 +100,12 @@ def image_groups(path: Path, column: str) -> dict[str, str]:
 
 
 def _numbers(row: Row) -> list[str]:
-    errors = (row.rmse_median, row.rmse_mean, row.rmse_max, row.rmse_scaled_median)
-    hundredfold = [number(error, 100) for error in errors]
-    return [str(row.cases), *hundredfold, number(row.band_coverage, 100, 0)]
+    stops = (row.mid_median, row.mid_mean, row.mid_max, row.shadows_mean)
+    hundredfold = (row.rmse_median, row.rmse_mean, row.rmse_max)
+    return [
+        str(row.cases),
+        *(number(error, 1, 3) for error in stops),
+        number(row.band_stops, 100, 0),
+        *(number(error, 100) for error in hundredfold),
+        number(row.band_coverage, 100, 0),
+    ]

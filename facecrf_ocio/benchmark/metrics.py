@@ -7,6 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from facecrf_ocio.response.stops import (
+    CODES,
+    MID_CODES,
+    MID_GRAY,
+    SHADOW_CODES,
+    log_light,
+    mean_over,
+    stops_error,
+    uniform,
+)
 from facecrf_ocio.values import Confidence, Float, InverseCRF
 
 NINETY_PERCENT = 1.645  # standard deviations on either side that hold 90 % of a Gaussian
@@ -18,26 +28,33 @@ class Score:
 
     Attributes
     ----------
+    mid, shadows, used
+        Errors in stops, see `response.stops.StopsError`; `used` is None where all pixels are
+        clipped.
+    bias_stops
+        Mean of log2(estimate / truth) over codes 64 to 235: above 0 where too bright.
     rmse
         Mean over the channels of `rmse_channels`, as the paper's tables have it.
     rmse_channels
         Root mean square of estimated less true linear light on 1,024 uniform encoded values.
-    rmse_scaled
-        The same after the one scale, common to all channels, that fits the truth best.
-    stops
-        Median over the photo's pixels of |log2(estimated / true)|, after its median, one scale of
-        exposure for all channels, is taken off; pixels at the lowest or highest code are left out.
-        None where no pixel lies between.
+    bias
+        Mean of estimated less true linear light.
     band_coverage
         Share of the inner 1,022 encoded values and three channels where the error is less than
         1.645 sigma: 0.9 if the confidence is honest. None where the estimate has no confidence.
+    band_stops
+        The same in stops, over codes 16 to 235 but 128, where there is no error.
     """
 
+    mid: float
+    shadows: float
+    used: float | None
+    bias_stops: float
     rmse: float
     rmse_channels: tuple[float, float, float]
-    rmse_scaled: float
-    stops: float | None
+    bias: float
     band_coverage: float | None
+    band_stops: float | None
 
 
 def score(
@@ -62,43 +79,43 @@ def score(
     grid = np.linspace(0.0, 1.0, truth.shape[1])
     estimated = _at(grid, curve.encoded, curve.linear)
     channels = np.sqrt(((estimated - truth) ** 2).mean(axis=1))
-    scale = float((estimated * truth).sum() / (estimated**2).sum())
-    scaled = np.sqrt(((scale * estimated - truth) ** 2).mean(axis=1))
-    covered = None
+    signed = log_light(uniform(curve)) - log_light(truth)
+    stops = stops_error(uniform(curve), truth, in_8_bits(code_counts))
+    covered = covered_stops = None
     if confidence is not None:
         sigma = _at(grid, curve.encoded, confidence.sigma)
         covered = float((np.abs(estimated - truth) < NINETY_PERCENT * sigma)[:, 1:-1].mean())
+        covered_stops = _covered_in_stops(signed, confidence)
     red, green, blue = channels.tolist()
     return Score(
+        mid=stops.mid,
+        shadows=stops.shadows,
+        used=stops.used,
+        bias_stops=mean_over(signed, MID_CODES),
         rmse=float(channels.mean()),
         rmse_channels=(red, green, blue),
-        rmse_scaled=float(scaled.mean()),
-        stops=error_in_stops(curve, truth, code_counts),
+        bias=float((estimated - truth).mean()),
         band_coverage=covered,
+        band_stops=covered_stops,
     )
 
 
-def error_in_stops(
-    curve: InverseCRF, truth: Float, code_counts: npt.NDArray[np.int64]
-) -> float | None:
-    """Median error in stops over the photo's unclipped pixels; see `Score.stops`."""
-    codes = np.linspace(0.0, 1.0, code_counts.shape[1])
-    estimated = _at(codes, curve.encoded, curve.linear)
-    true = _at(codes, np.linspace(0.0, 1.0, truth.shape[1]), truth)
-    used = (code_counts > 0) & (estimated > 0) & (true > 0)
-    used[:, [0, -1]] = False
-    if not used.any():
+def in_8_bits(code_counts: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """(3, L) pixels at L uniform code values, counted at the nearest of 256."""
+    levels = code_counts.shape[1]
+    if levels == CODES.size:
+        return code_counts
+    nearest = np.rint(np.arange(levels) * (CODES[-1] / (levels - 1))).astype(np.intp)
+    rows = [np.bincount(nearest, row, minlength=CODES.size) for row in code_counts]
+    return np.array(rows).astype(np.int64)
+
+
+def _covered_in_stops(signed: Float, confidence: Confidence) -> float | None:
+    if confidence.in_stops is None:
         return None
-    weights = code_counts[used]
-    stops = np.log2(estimated[used] / true[used])
-    return weighted_median(np.abs(stops - weighted_median(stops, weights)), weights)
-
-
-def weighted_median(values: Float, weights: npt.NDArray[np.int64]) -> float:
-    """Lower median of `values`, each taken `weights` times."""
-    order = np.argsort(values, kind="stable")
-    total = np.cumsum(weights[order])
-    return float(values[order][np.searchsorted(total, (total[-1] + 1) // 2)])
+    within = np.abs(signed) < NINETY_PERCENT * confidence.in_stops.sigma
+    judged = np.setdiff1d(np.arange(SHADOW_CODES[0], MID_CODES[1] + 1), [MID_GRAY])
+    return float(within[:, judged].mean())
 
 
 def _at(codes: Float, encoded: Float, rows: Float) -> Float:

@@ -22,16 +22,22 @@ _TITLES = {
     "pairs": "Real cameras, responses fitted to linear images of the same exposures",
 }
 LEGEND = """\
-min to std: RMSE of g x 100 on 1,024 uniform encoded values, mean of the channels. A photo that the
-estimator refused (or failed on) is scored as the prior's mean curve; `answered` counts only the
-others. scaled: the same after one free scale. stops: median error over the photo's unclipped
-pixels after one free scale of exposure. < mean: share of photos on which the RMSE is below that of
-the mean curve. band: share of codes with |error| < 1.645 sigma, 90 % if sigma is honest. reliable:
-share of photos whose estimate has that verdict, and on how many of these the RMSE is below that of
-sRGB decoding."""
+In stops, with one free factor taken out at code 128: the mean of |log2(g / truth)| over codes 64 to
+235 (median, mean and maximum over the photos), over the shadows 16 to 64, and over the codes that
+the photo uses (their means). < sRGB: share of photos on which it is below that of sRGB decoding,
+over codes 64 to 235. RMSE: of g x 100 on 1,024 uniform encoded values with g(1) = 1, mean of the
+channels, as the paper has it. A photo that the estimator refused (or failed on) is scored as the
+prior's mean curve; `answered` counts only the others. < mean: share of photos on which the RMSE is
+below that of the mean curve. bands: share of codes with |error| < 1.645 sigma, in stops and in
+linear light, 90 % if sigma is honest. reliable: share of photos whose estimate has that verdict,
+and how many of these are right: within 0.15 stops over codes 64 to 235, and nearer than sRGB
+decoding or within 0.05."""
+# What `reliable` must mean to be right: the error in stops over codes 64 to 235, and that below
+# which an estimate need not be nearer than sRGB decoding, which may be the truth.
+RIGHT, RIGHT_NEAR_SRGB = 0.15, 0.05
 _HEADINGS = (
-    "estimator min median mean max std|scaled median|stops median|< mean %|refused %|failed %|"
-    "answered median|answered mean|band %|reliable %|these < sRGB %"
+    "estimator|stops median|mean|max|shadows|used|< sRGB %|band %|RMSE median|mean|max|std|"
+    "< mean %|band %|refused %|failed %|answered median|answered mean|reliable %|these right %"
 )
 
 
@@ -43,50 +49,61 @@ class Row:
     ----------
     cases
         Number of photos.
+    mid_median, mid_mean, mid_max, shadows_mean, used_mean
+        In stops, see `metrics.Score`.
+    nearer_than_srgb
+        Share of photos whose error in stops, over codes 64 to 235, is below that of sRGB decoding;
+        None where that was not asked.
     rmse_min, rmse_median, rmse_mean, rmse_max, rmse_std
         Of `Result.rmse` (not multiplied by 100); population standard deviation.
-    rmse_scaled_median, stops_median
-        Medians over all photos.
     better_than_mean
         Share of photos whose RMSE is below that of the mean curve under the same protocol.
     refused, failed
         Shares of photos without an answer, and of those where the estimator broke down.
     answered_median, answered_mean
         RMSE of the other photos alone; None if there are none.
-    band_coverage
-        Mean share of codes within the 90 % band.
-    reliable, reliable_better_than_srgb
-        Share of photos with the verdict `reliable`, and share of these whose RMSE is below that of
-        sRGB decoding; None if there are none.
+    band_coverage, band_stops
+        Mean share of codes within the 90 % bands, in linear light and in stops.
+    reliable, reliable_right
+        Share of photos with the verdict `reliable`, and share of these that `is_right`; None if
+        there are none.
     """
 
     protocol: str
     estimator: str
     cases: int
+    mid_median: float
+    mid_mean: float
+    mid_max: float
+    shadows_mean: float
+    used_mean: float | None
+    nearer_than_srgb: float | None
     rmse_min: float
     rmse_median: float
     rmse_mean: float
     rmse_max: float
     rmse_std: float
-    rmse_scaled_median: float
-    stops_median: float | None
     better_than_mean: float
     refused: float
     failed: float
     answered_median: float | None
     answered_mean: float | None
     band_coverage: float | None
+    band_stops: float | None
     reliable: float
-    reliable_better_than_srgb: float | None
+    reliable_right: float | None
+
+
+def is_right(mid: float, srgb_mid: float) -> bool:
+    """Whether errors in stops, of an estimate and of sRGB decoding, bear out `reliable`."""
+    return mid <= RIGHT and (mid < srgb_mid or mid <= RIGHT_NEAR_SRGB)
 
 
 def summarize(results: Sequence[Result]) -> tuple[Row, ...]:
     """One row for each protocol and estimator, in the order of the results."""
     groups = grouped(results, lambda result: (result.protocol, result.estimator))
-    blind, srgb = (
-        {(r.protocol, r.image, r.row): r.rmse for r in results if r.estimator == name}
-        for name in ("mean", "srgb")
-    )
+    blind = {(r.protocol, r.image, r.row): r.rmse for r in results if r.estimator == "mean"}
+    srgb = {(r.protocol, r.image, r.row): r.mid for r in results if r.estimator == "srgb"}
     return tuple(_row(group, blind, srgb) for group in groups.values())
 
 
@@ -102,38 +119,48 @@ def _row(group: Sequence[Result], blind: _Photos, srgb: _Photos) -> Row:
     rmse = np.array([result.rmse for result in group])
     answered = np.array([result.rmse for result in group if result.answered])
     better = [r.rmse < blind.get((r.protocol, r.image, r.row), np.inf) for r in group]
+    against = [(r, srgb[key]) for r in group if (key := (r.protocol, r.image, r.row)) in srgb]
     vouched = [r for r in group if r.verdict == Verdict.RELIABLE]
-    borne_out = [r.rmse < srgb.get((r.protocol, r.image, r.row), np.inf) for r in vouched]
+    borne_out = [is_right(r.mid, s) for r, s in against if r.verdict == Verdict.RELIABLE]
     broken = [result.outcome == "failed" for result in group]
-    stops = [result.stops for result in group if result.stops is not None]
-    bands = [result.band_coverage for result in group if result.band_coverage is not None]
+    mid = np.array([result.mid for result in group])
     return Row(
         protocol=group[0].protocol,
         estimator=group[0].estimator,
         cases=len(group),
+        mid_median=float(np.median(mid)),
+        mid_mean=float(mid.mean()),
+        mid_max=float(mid.max()),
+        shadows_mean=float(np.mean([result.shadows for result in group])),
+        used_mean=mean_of(result.used for result in group),
+        nearer_than_srgb=mean_of(r.mid < s for r, s in against),
         rmse_min=float(rmse.min()),
         rmse_median=float(np.median(rmse)),
         rmse_mean=float(rmse.mean()),
         rmse_max=float(rmse.max()),
         rmse_std=float(rmse.std()),
-        rmse_scaled_median=float(np.median([result.rmse_scaled for result in group])),
-        stops_median=float(np.median(stops)) if stops else None,
         better_than_mean=float(np.mean(better)),
         refused=1.0 - len(answered) / len(group),
         failed=float(np.mean(broken)),
         answered_median=float(np.median(answered)) if answered.size else None,
         answered_mean=float(answered.mean()) if answered.size else None,
-        band_coverage=float(np.mean(bands)) if bands else None,
+        band_coverage=mean_of(result.band_coverage for result in group),
+        band_stops=mean_of(result.band_stops for result in group),
         reliable=len(vouched) / len(group),
-        reliable_better_than_srgb=float(np.mean(borne_out)) if borne_out else None,
+        reliable_right=mean_of(borne_out),
     )
+
+
+def mean_of(values: Iterable[float | None]) -> float | None:
+    """Mean of those that are known; None if none is."""
+    known = [value for value in values if value is not None]
+    return float(np.mean(known)) if known else None
 
 
 def markdown(rows: Sequence[Row]) -> str:
     """The tables, one for each protocol, and what their columns mean."""
     parts = []
-    first, *others = _HEADINGS.split("|")
-    headings = [*first.split(), *others]
+    headings = _HEADINGS.split("|")
     for protocol in dict.fromkeys(row.protocol for row in rows):
         chosen = [row for row in rows if row.protocol == protocol]
         parts += [
@@ -174,19 +201,22 @@ def results_record(
 
 
 def _cells(row: Row) -> list[str]:
-    hundredfold = (row.rmse_min, row.rmse_median, row.rmse_mean, row.rmse_max, row.rmse_std)
+    stops = (row.mid_median, row.mid_mean, row.mid_max, row.shadows_mean, row.used_mean)
+    hundredfold = (row.rmse_median, row.rmse_mean, row.rmse_max, row.rmse_std)
     return [
         row.estimator,
-        *(number(value, 100) for value in (*hundredfold, row.rmse_scaled_median)),
-        number(row.stops_median, 1, 3),
+        *(number(value, 1, 3) for value in stops),
+        "" if row.estimator == "srgb" else number(row.nearer_than_srgb, 100, 0),
+        number(row.band_stops, 100, 0),
+        *(number(value, 100) for value in hundredfold),
         "" if row.estimator == "mean" else number(row.better_than_mean, 100, 0),
+        number(row.band_coverage, 100, 0),
         number(row.refused, 100, 1),
         number(row.failed, 100, 1),
         number(row.answered_median, 100),
         number(row.answered_mean, 100),
-        number(row.band_coverage, 100, 0),
         number(row.reliable, 100, 0),
-        number(row.reliable_better_than_srgb, 100, 0),
+        number(row.reliable_right, 100, 0),
     ]
 
 

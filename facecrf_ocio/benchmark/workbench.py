@@ -37,8 +37,10 @@ class Result:
         What the estimator says of its own answer; empty where it says nothing.
     reason
         In the estimator's words.
-    rmse, rmse_red, rmse_green, rmse_blue, rmse_scaled, stops, band_coverage
+    mid, shadows, used, bias_stops, rmse, bias, band_coverage, band_stops
         See `metrics.Score`.
+    rmse_red, rmse_green, rmse_blue
+        Of each channel.
     seconds
         Time of the estimate, everything from detection on; never compared.
     """
@@ -55,13 +57,17 @@ class Result:
     verdict: str
     answered: bool
     reason: str
+    mid: float
+    shadows: float
+    used: float | None
+    bias_stops: float
     rmse: float
     rmse_red: float
     rmse_green: float
     rmse_blue: float
-    rmse_scaled: float
-    stops: float | None
+    bias: float
     band_coverage: float | None
+    band_stops: float | None
     seconds: float
 
 
@@ -204,13 +210,17 @@ def measure(subject: Subject, photo: Photo, counts: np.ndarray, asked: Asked) ->
         verdict=str(estimate.confidence.verdict) if estimate.confidence else "",
         answered=estimate.found is not None,
         reason=failure or estimate.reason,
+        mid=errors.mid,
+        shadows=errors.shadows,
+        used=errors.used,
+        bias_stops=errors.bias_stops,
         rmse=errors.rmse,
         rmse_red=red,
         rmse_green=green,
         rmse_blue=blue,
-        rmse_scaled=errors.rmse_scaled,
-        stops=errors.stops,
+        bias=errors.bias,
         band_coverage=errors.band_coverage,
+        band_stops=errors.band_stops,
         seconds=seconds,
     )
 

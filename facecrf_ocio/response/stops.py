@@ -7,8 +7,10 @@ mid-gray; what is left is |log2(estimate / truth)| at each 8-bit code.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.values import Float, InverseCRF
@@ -67,7 +69,9 @@ def log_light(curves: Float) -> Float:
     return np.asarray(np.maximum(stops - middle[..., None], DARKEST))
 
 
-def stops_error(estimate: Float, truth: Float, counts: Float | None = None) -> StopsError:
+def stops_error(
+    estimate: Float, truth: Float, counts: npt.NDArray[np.number[Any]] | None = None
+) -> StopsError:
     """Compare curves in stops.
 
     Parameters
