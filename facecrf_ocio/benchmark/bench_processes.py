@@ -6,24 +6,39 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from typing import Any, Protocol, TypeVar
 
 import cv2
 
-from facecrf_ocio.benchmark.cases import Plan, Task, code_digest
-from facecrf_ocio.benchmark.workbench import Result, Workbench
+from facecrf_ocio.benchmark.cases import code_digest
+from facecrf_ocio.benchmark.workbench import Result
 from facecrf_ocio.errors import FaceCRFError
 from facecrf_ocio.files.threads import single_threaded
 
-_workbench: Workbench | None = None  # of a worker process
+Plan = TypeVar("Plan")
+Task = TypeVar("Task")
+_Task_contra = TypeVar("_Task_contra", contravariant=True)
+
+
+class Bench(Protocol[_Task_contra]):
+    """What measures a task: takes its photo, shows it to the estimators, and scores them."""
+
+    def measure(self, task: _Task_contra, /) -> tuple[Result, ...]:
+        """Results of one task."""
+
+
+_bench: Bench[Any] | None = None  # of a worker process
 
 
 def measure_tasks(
-    plan: Plan, tasks: Sequence[Task], jobs: int = 1
+    bench: Callable[[Plan], Bench[Task]], plan: Plan, tasks: Sequence[Task], jobs: int = 1
 ) -> Iterator[tuple[Task, tuple[Result, ...]]]:
     """Measure tasks, each in one of `jobs` fresh processes of one thread; yields as they finish.
+
+    Every process sets up `bench(plan)` for itself.
 
     One job, too, is a process of its own: only there can the threads of libraries that are loaded
     already be limited, on which the last digits depend.
@@ -39,7 +54,7 @@ def measure_tasks(
         min(jobs, len(tasks)),
         mp_context=multiprocessing.get_context("spawn"),
         initializer=_start_worker,
-        initargs=(plan, code_digest()),
+        initargs=(bench, plan, code_digest()),
     )
     try:
         with single_threaded():
@@ -55,13 +70,13 @@ def measure_tasks(
         executor.shutdown(cancel_futures=True)
 
 
-def _start_worker(plan: Plan, code: str) -> None:
-    global _workbench  # noqa: PLW0603 - set once for the life of the process
+def _start_worker(bench: Callable[[Any], Bench[Any]], plan: object, code: str) -> None:
+    global _bench  # noqa: PLW0603 - set once for the life of the process
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends the run
     threading.Thread(target=_die_with_parent, daemon=True).start()
     cv2.setNumThreads(1)
     # Results of an edited package must not be stored under the keys of the former one.
-    _workbench = Workbench(plan) if code_digest() == code else None
+    _bench = bench(plan) if code_digest() == code else None
 
 
 def _die_with_parent() -> None:
@@ -72,7 +87,7 @@ def _die_with_parent() -> None:
         os._exit(1)
 
 
-def _measure(task: Task) -> tuple[Result, ...]:
-    if _workbench is None:
+def _measure(task: object) -> tuple[Result, ...]:
+    if _bench is None:
         raise FaceCRFError("the package was changed since this run began; start again")
-    return _workbench.measure(task)
+    return _bench.measure(task)

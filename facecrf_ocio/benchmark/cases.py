@@ -29,6 +29,7 @@ _MEASURED = (
     *("response/*.py", "response/*.npz", "face/models/*.tflite", "face/models/*.onnx"),
     *("photo/pixels.py", "color/primaries.py"),
     *(f"benchmark/{name}.py" for name in ("cases", "folds", "joint_folds", "metrics", "responses")),
+    *(f"benchmark/{name}.py" for name in ("conditions", "stress", "stress_camera")),
     *("benchmark/virtual_camera.py", "benchmark/workbench.py", "benchmark/*.npz"),
 )
 
@@ -143,9 +144,7 @@ class Plan:
     def conditions(self) -> dict[str, object]:
         """What all cases have in common and the results depend on."""
         return {
-            "versions": versions(),
-            "machine": platform.machine(),
-            "code": code_digest(),
+            **common_conditions(),
             "encoding": asdict(self.encoding),
             "settings": asdict(self.settings),
             "seed": self.seed,
@@ -194,6 +193,11 @@ def choose_estimators(names: str) -> tuple[str, ...]:
     # What `auto` stands for is in the table under its own name.
     chosen = [name for name in known if name in asked or ("all" in asked and name != "auto")]
     return (*chosen, *FIXED_CURVES)
+
+
+def common_conditions() -> dict[str, object]:
+    """What the results of any bench depend on."""
+    return {"versions": versions(), "machine": platform.machine(), "code": code_digest()}
 
 
 @cache

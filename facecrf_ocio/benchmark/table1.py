@@ -12,7 +12,7 @@ from facecrf_ocio.benchmark.folds import fit_held_out
 from facecrf_ocio.benchmark.groups import groups_markdown, percentiles_markdown
 from facecrf_ocio.benchmark.store import Store
 from facecrf_ocio.benchmark.tables import Row, markdown, summarize, timing_markdown
-from facecrf_ocio.benchmark.workbench import Result
+from facecrf_ocio.benchmark.workbench import Result, Workbench
 from facecrf_ocio.benchmark.written import write_tables
 
 Progress = Callable[[int, int], None]
@@ -84,7 +84,7 @@ def run_synthetic(
     tasks = plan.tasks(keys, store.results)
     done = len(keys) - sum(len(task.cases) for task in tasks)
     progress(done, len(keys))
-    for task, results in measure_tasks(plan, tasks, jobs):
+    for task, results in measure_tasks(Workbench, plan, tasks, jobs):
         store.append({keys[case]: r for case, r in zip(task.cases, results, strict=True)})
         done += len(results)
         progress(done, len(keys))
