@@ -20,10 +20,10 @@ from test_archive_batch import archive, files, rows  # noqa: F401 - a fixture
 import facecrf_ocio
 from facecrf_ocio import __version__
 from facecrf_ocio.archive.manifest.database import FILE
-from facecrf_ocio.archive.software import difference, versions
 from facecrf_ocio.archive.work.parcel import Parcel, unpack
 from facecrf_ocio.archive.work.processes import Limits
 from facecrf_ocio.archive.work.task import Recipe, Task
+from facecrf_ocio.files.versions import difference, versions
 
 OPTIONS = ("--estimator", "mean", "--formats", "spi1d")
 NOWHERE = "tcp://127.0.0.1:1"  # tcpmux, which nobody runs

@@ -26,13 +26,11 @@ from photo_files import (
 from PIL import Image
 
 from facecrf_ocio import __version__, read_photo
-from facecrf_ocio.cli.calibrate_command import FORMAT_NAMES
 from facecrf_ocio.cli.options import COMPRESSIONS
 from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
 from facecrf_ocio.color.working_space import WORKING_SPACES, working_space_matrix
 from facecrf_ocio.errors import OutputError
 from facecrf_ocio.files.atomic import Draft
-from facecrf_ocio.lut.write import FORMATS
 from facecrf_ocio.record.sidecar import read_sidecar
 
 DONE, FAILED, USAGE, UNREADABLE, NOTHING = range(5)
@@ -96,9 +94,6 @@ class TestCalibrate:
         curve = read_sidecar(out / "a.crf.json").curve
         assert curve is not None
         assert np.allclose(curve.linear, srgb_decoding(curve.encoded), atol=1e-6)
-
-    def test_formats_are_those_of_the_exporter(self) -> None:
-        assert tuple(FORMATS) == FORMAT_NAMES
 
     def test_only_the_formats_asked_for(self, facecrf: CommandLine, photo: Path, out: Path) -> None:
         assert facecrf("calibrate", photo, "-o", out, "--formats", "CUBE, clf", *BLIND).code == DONE

@@ -15,7 +15,7 @@ from privileges import without_privileges
 
 from facecrf_ocio.errors import OutputError
 from facecrf_ocio.files.atomic import Draft, write_files
-from facecrf_ocio.lut.write import FORMATS
+from facecrf_ocio.lut.format_table import FORMATS
 
 
 def accept(path: Path) -> None:

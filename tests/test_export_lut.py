@@ -16,10 +16,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from facecrf_ocio.errors import LutError, OutputError, SettingsError
-from facecrf_ocio.lut import write as lut
+from facecrf_ocio.lut.format_table import FORMATS
 from facecrf_ocio.lut.read_back import verify_lut
 from facecrf_ocio.lut.transform import Recipe
-from facecrf_ocio.lut.write import FORMATS, write_lut
+from facecrf_ocio.lut.write import write_lut
 from facecrf_ocio.values import InverseCRF
 
 NODES = np.linspace(0.0, 1.0, 4096)
@@ -350,10 +350,12 @@ def test_a_file_that_does_not_read_back_never_appears(
     suffix: str, damage: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     curve = curve_of(NODES**2)
-    whole = FORMATS[suffix](Recipe(curve), ())
+    row = FORMATS[suffix]
+    whole = str(row.write(Recipe(curve), ()))
     damaged = DAMAGE[damage](whole)
     assert damaged != whole
-    monkeypatch.setattr(lut, "FORMATS", {suffix: lambda *_: damaged})
+    module, _, function = row.writer.partition(":")
+    monkeypatch.setattr(f"{module}.{function}", lambda *_: damaged)
     with pytest.raises(LutError, match=r"a\.[\w.]+: OpenColorIO .*read") as caught:
         write_lut(curve, tmp_path / f"a.{suffix}")
     assert "\n" not in str(caught.value)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from facecrf_ocio.errors import LutError, OutputError
-from facecrf_ocio.lut import write as lut
+from facecrf_ocio.lut.formats import clf
 from facecrf_ocio.record.outputs import (
     output_paths,
     require_distinct_names,
@@ -111,7 +111,7 @@ def test_one_lut_that_fails_takes_the_others_with_it(
 ) -> None:
     write(tmp_path, gamma=2.0)
     before = contents(tmp_path)
-    monkeypatch.setattr(lut, "FORMATS", {**lut.FORMATS, "clf": lambda *_: "not a LUT"})
+    monkeypatch.setattr(clf, "clf_text", lambda *_: "not a LUT")
     with pytest.raises(LutError, match=r"a\.clf: OpenColorIO cannot read it back"):
         write(tmp_path, gamma=3.0, overwrite=True)
     assert contents(tmp_path) == before

@@ -16,8 +16,9 @@ from PIL import ImageCms
 
 from facecrf_ocio.color.working_space import WORKING_SPACES
 from facecrf_ocio.errors import LutError
+from facecrf_ocio.lut.format_table import FORMATS
 from facecrf_ocio.lut.lint import lint
-from facecrf_ocio.lut.write import FORMATS, write_lut
+from facecrf_ocio.lut.write import write_lut
 from facecrf_ocio.response.model import dorf_model, strictly_increasing
 from facecrf_ocio.values import InverseCRF
 

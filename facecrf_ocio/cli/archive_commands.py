@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from facecrf_ocio.archive.walk import as_utf8
-from facecrf_ocio.cli.calibrate_command import DEFAULT_FORMATS, FORMAT_NAMES, split_formats
+from facecrf_ocio.cli.calibrate_command import formats_option
 from facecrf_ocio.cli.options import TEXT_PATH, Choices, direction_options, estimation_options
 from facecrf_ocio.cli.terminal import DONE, FAILED, complain, ending_well, one_line, status
 from facecrf_ocio.errors import LutError
@@ -109,13 +109,7 @@ def _kind(outcome: str, verdict: str) -> str:
     help="File of photo names below SOURCE, one a line; - for stdin.",
 )
 @click.option("-0", "--null", is_flag=True, help="Names in --files-from end with NUL.")
-@click.option(
-    "--formats",
-    default=DEFAULT_FORMATS,
-    show_default=True,
-    callback=split_formats,
-    help=f"LUT formats, by commas, of {', '.join(FORMAT_NAMES)}.",
-)
+@formats_option
 @direction_options
 @click.option("--exr", is_flag=True, help="Also write scene-linear EXRs.")
 @click.option(

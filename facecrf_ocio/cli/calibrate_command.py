@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,22 +33,32 @@ from facecrf_ocio.cli.terminal import (
     tell_json,
 )
 from facecrf_ocio.errors import FaceCRFError, LutError, OutputError
+from facecrf_ocio.lut.format_table import default_formats, format_names
 
 if TYPE_CHECKING:
     from facecrf_ocio.together import Together
     from facecrf_ocio.values import Estimate
 
-FORMAT_NAMES = ("spi1d", "cube", "clf", "ctf", "csp", "icc", "iridas.cube", "v4.icc")
-DEFAULT_FORMATS = "spi1d,cube,clf"
 PLOT_SUFFIX = ".crf.png"
 """Not `.png`, which next to a PNG photo would be the photo itself."""
 
 
-def split_formats(context: click.Context, option: click.Parameter, value: str) -> tuple[str, ...]:
+def formats_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the option `--formats`: a tuple of endings in `format_table`."""
+    return click.option(
+        "--formats",
+        default=",".join(default_formats()),
+        show_default=True,
+        callback=_split_formats,
+        help=f"LUT formats, by commas, of {', '.join(format_names())}.",
+    )(command)
+
+
+def _split_formats(context: click.Context, option: click.Parameter, value: str) -> tuple[str, ...]:
     """Parse LUT formats separated by commas, or fail as wrong usage."""
     names = tuple(dict.fromkeys(name.strip().lower() for name in value.split(",") if name.strip()))
-    known = ", ".join(FORMAT_NAMES)
-    unknown = [name for name in names if name not in FORMAT_NAMES]
+    known = ", ".join(format_names())
+    unknown = [name for name in names if name not in format_names()]
     if unknown:
         raise click.BadParameter(f"no LUT format {unknown[0]!r}; known: {known}", context, option)
     if not names:
@@ -128,13 +139,7 @@ def _estimate_together(photos: tuple[Path, ...], choices: Choices) -> Together:
 @click.option(
     "-o", "--output", required=True, type=TEXT_PATH, metavar="DIR", help="Where to write."
 )
-@click.option(
-    "--formats",
-    default=DEFAULT_FORMATS,
-    show_default=True,
-    callback=split_formats,
-    help=f"LUT formats, by commas, of {', '.join(FORMAT_NAMES)}.",
-)
+@formats_option
 @direction_options
 @click.option(
     "--plot", is_flag=True, help=f"Also write NAME{PLOT_SUFFIX}: curves, skin mask, pigment map."

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from facecrf_ocio.cli.calibrate_command import DEFAULT_FORMATS, PLOT_SUFFIX, split_formats
+from facecrf_ocio.cli.calibrate_command import PLOT_SUFFIX, formats_option
 from facecrf_ocio.cli.options import PHOTO_PATH, TEXT_PATH, direction_options
 from facecrf_ocio.cli.terminal import USAGE, complain, ending_well, require_writable, status, tell
 from facecrf_ocio.errors import LutError
@@ -19,13 +19,7 @@ from facecrf_ocio.errors import LutError
 @click.option(
     "-o", "--output", required=True, type=TEXT_PATH, metavar="DIR", help="Where to write."
 )
-@click.option(
-    "--formats",
-    default=DEFAULT_FORMATS,
-    show_default=True,
-    callback=split_formats,
-    help="LUT formats, by commas.",
-)
+@formats_option
 @direction_options
 @click.option("--plot", is_flag=True, help=f"Also write NAME{PLOT_SUFFIX}: the curves.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")

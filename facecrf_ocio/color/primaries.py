@@ -1,4 +1,4 @@
-"""RGB primaries that have names, and the adaptation from one white to another."""
+"""RGB primaries that have names."""
 
 from __future__ import annotations
 
@@ -23,10 +23,6 @@ KNOWN_PRIMARIES = {
 # Profiles round their colorants to 1/65536 of XYZ and their makers' arithmetic differs by some
 # 0.001 in xy, while no two sets above are nearer to each other than 0.04.
 _SAME_XY = 0.004
-
-BRADFORD = np.array(
-    [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]]
-)
 
 
 def known_primaries(name: str, source: str) -> Primaries:

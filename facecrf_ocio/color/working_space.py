@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.color.primaries import BRADFORD, KNOWN_PRIMARIES
+from facecrf_ocio.color.adaptation import XY, bradford, rgb_to_xyz
+from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.values import Primaries
 
 ACES_WHITE = (0.32168, 0.33767)
-_XY = tuple[float, float]
 _NAMES = {
     "acescg": "AP1",
     "lin_rec709": "Rec.709",
@@ -20,7 +20,7 @@ _NAMES = {
 
 # Red, green, blue, white as published: SMPTE ST 2065-1 (AP0), Academy S-2014-004 (AP1),
 # ITU-R BT.709, SMPTE EG 432-1.
-WORKING_SPACES: dict[str, tuple[_XY, _XY, _XY, _XY]] = {
+WORKING_SPACES: dict[str, tuple[XY, XY, XY, XY]] = {
     "acescg": ((0.713, 0.293), (0.165, 0.830), (0.128, 0.044), ACES_WHITE),
     "lin_rec709": KNOWN_PRIMARIES["Rec.709"],
     "lin_p3d65": KNOWN_PRIMARIES["Display P3"],
@@ -74,22 +74,3 @@ def working_space_matrix(primaries: Primaries | None, name: str) -> npt.NDArray[
         raise SettingsError(
             "the file's primaries span no color space; leave the working space out"
         ) from error
-
-
-def rgb_to_xyz(rgb: list[_XY], white: _XY) -> npt.NDArray[np.float64]:
-    """Matrix (3, 3) from linear RGB to CIE XYZ, Y of white being 1 (SMPTE RP 177, sec. 3.3)."""
-    columns = np.stack([xyz(xy) for xy in rgb], axis=1)
-    return np.asarray(columns * np.linalg.solve(columns, xyz(white) / xyz(white)[1]))
-
-
-def bradford(source: _XY, target: _XY) -> npt.NDArray[np.float64]:
-    """Matrix (3, 3) that adapts CIE XYZ from one white, given as xy, to another."""
-    if source == target:
-        return np.eye(3)
-    cones = (BRADFORD @ xyz(target) / target[1]) / (BRADFORD @ xyz(source) / source[1])
-    return np.asarray(np.linalg.solve(BRADFORD, cones[:, None] * BRADFORD))
-
-
-def xyz(xy: _XY) -> npt.NDArray[np.float64]:
-    """Return x, y, z = 1 - x - y, which unlike X / Y has no pole at y = 0 (ACES blue is near)."""
-    return np.array([xy[0], xy[1], 1.0 - xy[0] - xy[1]])

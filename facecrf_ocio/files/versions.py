@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from collections.abc import Mapping
 from functools import cache
 
 from facecrf_ocio import __version__
@@ -27,6 +28,14 @@ def versions() -> dict[str, str]:
                 found[name] = version
                 break
     return found
+
+
+def difference(here: Mapping[str, str], there: Mapping[str, str]) -> str:
+    """Return the first thing that differs as `name 1 there, 2 here`, empty if nothing does."""
+    for name in here:
+        if there.get(name) != here[name]:
+            return f"{name} is {there.get(name, 'missing')} there and {here[name]} here"
+    return ""
 
 
 @cache  # parsing what was installed costs more than writing the record that tells it

@@ -11,6 +11,7 @@ import PyOpenColorIO as ocio  # noqa: N813
 
 from facecrf_ocio.errors import LutError
 from facecrf_ocio.image.lookup import Lookup
+from facecrf_ocio.lut.ocio_processor import RefusedError, exact_cpu, ocio_processor
 
 
 def lut_lookup(lut: str | Path) -> Lookup:
@@ -26,12 +27,7 @@ def lut_lookup(lut: str | Path) -> Lookup:
     lut = Path(lut)
     processor = lut_processor(lut)
     # One for half floats too: OCIO rounds its result to them.
-    cpus = {
-        np.dtype(kind): processor.getOptimizedCPUProcessor(
-            ocio.BIT_DEPTH_F32, depth, ocio.OptimizationFlags.OPTIMIZATION_LOSSLESS
-        )
-        for kind, depth in _DEPTHS.items()
-    }
+    cpus = {np.dtype(kind): exact_cpu(processor, depth) for kind, depth in _DEPTHS.items()}
 
     def transform(values: npt.NDArray[np.float32], out: npt.NDArray[Any]) -> None:
         cpus[out.dtype].apply(
@@ -67,22 +63,12 @@ def lut_processor(lut: Path) -> Any:
             "is a folder; name a LUT file" if lut.is_dir() else "does not exist; check the name"
         )
         raise LutError(f"{lut}: {problem}")
-    # OpenColorIO remembers files by name, and would give what the file held before; and it puts
-    # the environment's variables into names, unless the context is an empty one.
-    ocio.ClearAllCaches()
-    source = str(lut.resolve())
-    transform = ocio.FileTransform(src=source, interpolation=ocio.Interpolation.INTERP_BEST)
     try:
-        processor = ocio.Config.CreateRaw().getProcessor(
-            context=ocio.Context(),
-            transform=transform,
-            direction=ocio.TransformDirection.TRANSFORM_DIR_FORWARD,
-        )
-    except ocio.Exception as error:
-        problem = " ".join(str(error).split()).replace(source, lut.name)[:240].strip(" .")
+        processor = ocio_processor(lut)
+    except RefusedError as error:
         raise LutError(
-            f"{lut}: OpenColorIO cannot read it ({problem}); give a LUT file such as .spi1d, "
-            ".cube or .clf"
+            f"{lut}: OpenColorIO cannot read it ({error}); give a LUT file such as .spi1d, .cube "
+            "or .clf"
         ) from error
     # OpenColorIO takes a table with NaN for the identity.
     tables = [

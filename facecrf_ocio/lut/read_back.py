@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-import PyOpenColorIO as ocio  # noqa: N813
 
 from facecrf_ocio.errors import LutError
+from facecrf_ocio.lut.format_table import LutFormat, format_of
+from facecrf_ocio.lut.ocio_processor import RefusedError, exact_cpu, ocio_processor
 from facecrf_ocio.lut.table import LUT_LENGTH
 from facecrf_ocio.lut.transform import Recipe, expected
 from facecrf_ocio.values import Float, InverseCRF
@@ -39,30 +39,31 @@ def verify_lut(path: Path, curve: InverseCRF, *, name: Path | None = None) -> No
         If OpenColorIO cannot read the file, or differs from the curve by more than 1e-6 of white
         beyond what the float32 resolution of code values makes of a step.
     """
-    verify_recipe(path, Recipe(curve), name=name)
+    row = format_of(path if name is None else name)
+    verify_recipe(path, Recipe(curve), row, name=name)
 
 
-def verify_recipe(path: Path, recipe: Recipe, *, name: Path | None = None) -> None:
+def verify_recipe(path: Path, recipe: Recipe, row: LutFormat, *, name: Path | None = None) -> None:
     """Check that OpenColorIO makes of a file what its recipe says; see `verify_lut`."""
     name = path if name is None else name
     places, tolerance = _places(), TOLERANCE
     given = places
     if recipe.encodes and recipe.matrix is not None:
         given = (places @ recipe.matrix.T).astype(np.float32)
-    found: Float = _read_through_ocio(path, given, name).astype(np.float64)
+    found: Float = _read_through_ocio(path, row, given, name).astype(np.float64)
     if not recipe.encodes and recipe.matrix is not None:
         found = np.linalg.solve(recipe.matrix, found.T).T
         tolerance *= _gain(np.linalg.inv(recipe.matrix))
-    elif path.suffix.lower() == ".icc":
+    elif row.profile:
         # It goes on to XYZ; what black and the three primaries become is the way back.
         found = np.linalg.solve(
-            _read_through_ocio(path, np.eye(3, dtype=np.float32), name).T, found.T
+            _read_through_ocio(path, row, np.eye(3, dtype=np.float32), name).T, found.T
         ).T
         tolerance *= 20.0  # entries are rounded to 1/65535, the colorants' inverse is near 3
     resolution = _CODE_RESOLUTION
     if recipe.encodes and recipe.matrix is not None:
         resolution *= 4.0 * _gain(recipe.matrix) * _gain(np.linalg.inv(recipe.matrix))
-    nodes, values = expected(recipe, path.suffix.lower().removeprefix("."))
+    nodes, values = expected(recipe, row.encoding)
     error = _worst_error(found, places, (nodes, values), resolution)
     if not error <= tolerance:
         raise LutError(
@@ -83,32 +84,16 @@ def _gain(matrix: Float) -> float:
 
 
 def _read_through_ocio(
-    path: Path, given: npt.NDArray[np.float32], name: Path
+    path: Path, row: LutFormat, given: npt.NDArray[np.float32], name: Path
 ) -> npt.NDArray[np.float32]:
     """Return (N, 3) what OCIO maps (N, 3) pixels to."""
     pixels = np.ascontiguousarray(given).copy()
-    # OCIO takes a profile's own direction, from the connection space to the device, as forward.
-    to_device = path.suffix.lower() == ".icc"
-    direction = ocio.TRANSFORM_DIR_INVERSE if to_device else ocio.TRANSFORM_DIR_FORWARD
     try:
-        transform = ocio.FileTransform(os.path.abspath(path))  # noqa: PTH100 - resolves no links
-        # An empty context keeps OCIO from expanding $HOME and the like in the folder's name.
-        processor = ocio.Config.CreateRaw().getProcessor(ocio.Context(), transform, direction)
-        processor.getOptimizedCPUProcessor(
-            ocio.BIT_DEPTH_F32, ocio.BIT_DEPTH_F32, ocio.OPTIMIZATION_LOSSLESS
-        ).applyRGB(pixels)
-    except ocio.Exception as error:
-        problem = " ".join(str(error).split())
-        raise LutError(f"{name}: OpenColorIO cannot read it back: {problem}") from error
-    except TypeError as error:  # how its binding meets a path that is not Unicode
-        raise LutError(
-            f"{name}: OpenColorIO cannot read from a folder whose name is not Unicode; "
-            "choose another folder"
-        ) from error
-    finally:
-        # It keeps every file it ever read, by path: a batch would fill the memory, and a file
-        # that is written again would be read as it was.
-        ocio.ClearAllCaches()
+        # OCIO takes a profile's own direction, from the connection space to the device, as forward.
+        exact_cpu(ocio_processor(path, inverse=row.profile)).applyRGB(pixels)
+    except RefusedError as error:
+        problem = f"OpenColorIO cannot read it back: {error}"
+        raise LutError(f"{name}: {problem}; write to another folder") from error
     return pixels
 
 

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from facecrf_ocio.color.working_space import working_space_matrix
 from facecrf_ocio.errors import SettingsError
+from facecrf_ocio.lut.encoding import Encoding
 from facecrf_ocio.lut.table import LUT_LENGTH, lut_table, resample, rows_of
 from facecrf_ocio.values import Float, InverseCRF, Primaries
 
@@ -79,13 +80,13 @@ def uniform_rows(recipe: Recipe) -> tuple[int, str]:
     return len(table), rows_of(table)
 
 
-def expected(recipe: Recipe, name: str) -> tuple[Float, Float]:
+def expected(recipe: Recipe, encoding: Encoding) -> tuple[Float, Float]:
     """Return nodes (3, K) and values (3, K) of the piecewise linear curve a format holds."""
     if not recipe.encodes:
         values = resample(recipe.curve)
         return np.tile(np.linspace(0.0, 1.0, LUT_LENGTH), (3, 1)), values
-    if name == "ctf":
+    if encoding is Encoding.EXACT:
         linear = lut_table(recipe.curve).T.astype(np.float64)
         return linear, np.tile(np.linspace(0.0, 1.0, LUT_LENGTH), (3, 1))
-    nodes = encode_nodes(half_domain=name == "clf")
+    nodes = encode_nodes(half_domain=encoding is Encoding.HALF_DOMAIN)
     return np.tile(nodes, (3, 1)), encode_table(recipe.curve, nodes).T.astype(np.float64)

@@ -9,11 +9,10 @@ from pathlib import Path
 
 from facecrf_ocio.errors import LutError, reason_of
 from facecrf_ocio.image.lut_lookup import lut_processor
+from facecrf_ocio.lut.format_table import config_suffixes
 from facecrf_ocio.lut.write import split_ending
 from facecrf_ocio.record.sidecar import SUFFIX, Source, read_source
 from facecrf_ocio.values import Primaries
-
-_SUFFIXES = (".spi1d", ".cube", ".clf", ".ctf", ".csp")
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,8 +46,8 @@ class PhotoLut:
 def find_luts(paths: Sequence[Path]) -> tuple[PhotoLut, ...]:
     """LUTs that linearize, among files and folders.
 
-    Of several in a folder for one photo the first of .spi1d, .cube, .clf, .ctf, .csp counts, and
-    one to the photo's own linear RGB before those to working spaces; those that encode do not.
+    Of several in a folder for one photo the first by `format_table` counts, and one to the
+    photo's own linear RGB before those to working spaces; those that encode do not.
 
     Raises
     ------
@@ -109,15 +108,16 @@ _Records = dict[Path, tuple[Source, tuple[str, ...]]]
 
 def _in_folder(folder: Path, records: _Records) -> Iterator[tuple[Path, _Told]]:
     """The LUT of each photo below a folder, in the order of their names."""
+    suffixes = config_suffixes()
     best: dict[Path, tuple[tuple[bool, int, int], Path, _Told]] = {}
     for lut in sorted(folder.rglob("*")):
         suffix = lut.suffix.lower()
-        if suffix not in _SUFFIXES or not lut.is_file():
+        if suffix not in suffixes or not lut.is_file():
             continue
         told = _told(lut, records)
         if told.encodes:
             continue
-        rank = (told.space != "", _SUFFIXES.index(suffix), len(lut.name))
+        rank = (told.space != "", suffixes.index(suffix), len(lut.name))
         photo = lut.parent / told.stem
         if photo not in best or rank < best[photo][0]:
             best[photo] = rank, lut, told

@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 import PyOpenColorIO as ocio  # noqa: N813
 
+from facecrf_ocio.color.adaptation import rgb_to_xyz
 from facecrf_ocio.color.working_space import (
     WORKING_SPACES,
-    rgb_to_xyz,
     working_primaries,
     working_space_matrix,
 )

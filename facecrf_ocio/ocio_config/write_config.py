@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import PyOpenColorIO as ocio  # noqa: N813
 
+from facecrf_ocio.color.srgb import decode_srgb
 from facecrf_ocio.color.working_space import (
     WORKING_SPACES,
     working_primaries,
@@ -266,8 +267,7 @@ def _spimtx(matrix: npt.NDArray[np.float64]) -> bytes:
 def _srgb_table() -> bytes:
     """Curve of sRGB (IEC 61966-2-1) as .spi1d."""
     codes = np.linspace(0.0, 1.0, 4096)
-    light = np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)
-    rows = "".join(f"{value:.9g}\n" for value in light)
+    rows = "".join(f"{value:.9g}\n" for value in decode_srgb(codes))
     return f"Version 1\nFrom 0 1\nLength 4096\nComponents 1\n{{\n{rows}}}\n".encode()
 
 

@@ -8,7 +8,8 @@ from io import BytesIO
 
 import numpy as np
 
-from facecrf_ocio.color.primaries import BRADFORD, D50, D65, name_primaries
+from facecrf_ocio.color.adaptation import adapted, white_xyz
+from facecrf_ocio.color.primaries import D50, D65, name_primaries
 from facecrf_ocio.values import Float, Primaries
 
 
@@ -35,9 +36,9 @@ def primaries_from_icc(profile: bytes) -> Primaries | None:
     colorants = (icc.red_colorant, icc.green_colorant, icc.blue_colorant)
     if icc.xcolor_space.strip() != "RGB" or any(colorant is None for colorant in colorants):
         return None
-    adapted = np.array([colorant[0] for colorant in colorants if colorant is not None])
+    d50 = np.array([colorant[0] for colorant in colorants if colorant is not None])
     candidates = [
-        name_primaries(_unadapted(adapted, matrix), "ICC profile")
+        name_primaries(_unadapted(d50, matrix), "ICC profile")
         for matrix in _adaptations(icc.chromatic_adaptation, icc.media_white_point)
     ]
     return next((found for found in candidates if found.name != "custom"), candidates[0])
@@ -81,21 +82,12 @@ def _adaptations(
     """
     if chad is not None:
         return [np.array(chad[0], float).reshape(3, 3)]
-    media = _xyz(D50) if white is None else np.array(white[0], float)
-    return [_bradford(media), _bradford(_xyz(D65))]
+    d50 = white_xyz(D50)
+    media = d50 if white is None else np.array(white[0], float)
+    return [adapted(media, d50), adapted(white_xyz(D65), d50)]
 
 
-def _bradford(white: Float) -> Float:
-    cones = (BRADFORD @ _xyz(D50)) / (BRADFORD @ white)
-    return np.asarray(np.linalg.inv(BRADFORD) @ np.diag(cones) @ BRADFORD)
-
-
-def _unadapted(adapted: Float, matrix: Float) -> Float:
+def _unadapted(colorants: Float, matrix: Float) -> Float:
     """(4, 2) xy of the three colorants (rows of XYZ) and of white before the adaptation."""
-    xyz = np.linalg.solve(matrix, np.vstack([adapted, _xyz(D50)]).T).T
+    xyz = np.linalg.solve(matrix, np.vstack([colorants, white_xyz(D50)]).T).T
     return np.asarray(xyz[:, :2] / xyz.sum(axis=1, keepdims=True))
-
-
-def _xyz(xy: tuple[float, float]) -> Float:
-    x, y = xy
-    return np.array([x / y, 1.0, (1 - x - y) / y])

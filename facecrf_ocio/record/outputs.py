@@ -8,13 +8,12 @@ from pathlib import Path
 from facecrf_ocio import __version__
 from facecrf_ocio.errors import LutError, OutputError, reason_of
 from facecrf_ocio.files.atomic import Draft, require_free, write_files
+from facecrf_ocio.lut.format_table import default_formats
 from facecrf_ocio.lut.transform import Recipe
 from facecrf_ocio.lut.write import lut_draft, split_ending
 from facecrf_ocio.record.sidecar import SUFFIX, read_sidecar, sidecar_draft
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Estimate, Photo
-
-DEFAULT_FORMATS = ("spi1d", "cube", "clf")
 
 
 def write_outputs(
@@ -22,7 +21,7 @@ def write_outputs(
     estimate: Estimate,
     settings: Settings,
     folder: Path,
-    formats: Iterable[str] = DEFAULT_FORMATS,
+    formats: Iterable[str] | None = None,
     *,
     overwrite: bool = False,
     also: Sequence[Draft] = (),
@@ -30,6 +29,7 @@ def write_outputs(
 ) -> tuple[Path, ...]:
     """Write the LUTs and the sidecar of a photo, named after it; without a curve, the sidecar.
 
+    Formats are those that `format_table` calls the default unless they are named.
     The folder is made if it is missing. The drafts in `also` are written with them or not at all.
     With `stem` the files are named after it instead of after the photo.
 
@@ -49,7 +49,8 @@ def write_outputs(
     folder = Path(folder)
     if photo.path is None:
         raise OutputError("a photo in memory has no name to name its files after; set Photo.path")
-    formats = () if estimate.found is None else tuple(formats)
+    named = default_formats() if formats is None else tuple(formats)
+    formats = () if estimate.found is None else named
     *luts, sidecar = require_outputs_free(
         photo.path, folder, formats, overwrite=overwrite, stem=stem
     )

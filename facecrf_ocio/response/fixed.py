@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from facecrf_ocio.color.srgb import decode_srgb
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.values import Float
@@ -26,7 +27,7 @@ def fixed_curve(name: str, encoded: Float, model: ResponseModel) -> Float:
     if name == "mean":
         return np.interp(encoded, model.grid, model.mean)
     if name == "srgb":
-        return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+        return decode_srgb(encoded)
     if name == "gamma22":
         return np.asarray(encoded**2.2)
     if name == "identity":

@@ -15,6 +15,7 @@ from PIL import Image, ImageOps
 
 from facecrf_ocio.archive.report.contents import Archive, Row
 from facecrf_ocio.archive.report.small_curves import DrawnCurve, drawn
+from facecrf_ocio.color.srgb import encode_srgb
 from facecrf_ocio.errors import FaceCRFError
 from facecrf_ocio.image.lookup import curve_lookup
 from facecrf_ocio.photo.pixels import Pixels, code_values
@@ -83,7 +84,7 @@ def pictures_of(archive: Archive, row: Row) -> Pictures:
     light = encoded if linear else None
     if inverse is not None and light is None:
         light = curve_lookup(inverse).apply(_shrunk(encoded, 2 * SIDE))
-    after = "" if light is None else _webp(_through_srgb(_shrunk(light, SIDE)))
+    after = "" if light is None else _webp(encode_srgb(_shrunk(light, SIDE)).astype(np.float32))
     return Pictures(after if linear else _webp(encoded), after, problem, curve, faces)
 
 
@@ -134,13 +135,6 @@ def _read_jpeg(path: Path) -> npt.NDArray[np.uint8]:
             image.draft(None, (2 * SIDE, 2 * SIDE))
             image.thumbnail((2 * SIDE, 2 * SIDE), Image.Resampling.BOX)
             return np.array(ImageOps.exif_transpose(image).convert("RGB"))
-
-
-def _through_srgb(linear: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
-    """Encode linear light, of which 1 is white, as IEC 61966-2-1 does."""
-    light = np.clip(linear, 0.0, 1.0)
-    bright = 1.055 * np.power(light, 1.0 / 2.4) - 0.055
-    return np.asarray(np.where(light <= 0.0031308, 12.92 * light, bright), np.float32)
 
 
 def _shrunk(image: Pixels, side: int) -> Pixels:

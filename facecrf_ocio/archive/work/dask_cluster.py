@@ -20,13 +20,13 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from facecrf_ocio import __version__
-from facecrf_ocio.archive.software import difference, versions
 from facecrf_ocio.archive.work.parcel import Delivery, Parcel, unpack
 from facecrf_ocio.archive.work.processes import Limits, Pool
 from facecrf_ocio.archive.work.task import FAILED, Result, Task
 from facecrf_ocio.errors import ClusterError, OutputError, SettingsError, reason_of
 from facecrf_ocio.files.atomic import Draft, write_files
 from facecrf_ocio.files.folders import make_folder
+from facecrf_ocio.files.versions import difference, versions
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -275,7 +275,7 @@ def _asker() -> Any:
 
     def told() -> dict[str, str] | str:
         try:
-            from facecrf_ocio.archive.software import versions  # noqa: PLC0415
+            from facecrf_ocio.files.versions import versions  # noqa: PLC0415
         except ImportError as error:
             return str(error)
         return versions()

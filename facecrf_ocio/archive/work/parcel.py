@@ -15,9 +15,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from facecrf_ocio import __version__
-from facecrf_ocio.archive.software import difference, versions
 from facecrf_ocio.archive.work.processes import Limits, Pool
 from facecrf_ocio.archive.work.task import Result, Task
+from facecrf_ocio.files.versions import difference, versions
 
 _IDLE = 60.0  # [s] after which a process that nobody asks is let go
 

@@ -7,6 +7,7 @@ import json
 from dataclasses import asdict, dataclass, field
 from pathlib import Path, PurePosixPath
 
+from facecrf_ocio.lut.format_table import default_formats
 from facecrf_ocio.settings import VERDICTS, Settings
 from facecrf_ocio.values import Estimate
 
@@ -36,7 +37,7 @@ class Recipe:
     prior: str = "auto"
     min_confidence: str = VERDICTS[0]
     settings: Settings = field(default_factory=Settings)
-    formats: tuple[str, ...] = ("spi1d", "cube", "clf")
+    formats: tuple[str, ...] = field(default_factory=default_formats)
     exr: bool = False
     pool: bool = False
 

@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from facecrf_ocio.color.adaptation import bradford, rgb_to_xyz
 from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
-from facecrf_ocio.color.working_space import bradford, rgb_to_xyz
 from facecrf_ocio.lut.comments import one_line
 from facecrf_ocio.lut.table import resample
 from facecrf_ocio.lut.transform import Recipe

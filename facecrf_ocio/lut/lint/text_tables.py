@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 
@@ -15,16 +15,25 @@ _HIGHEST_CODE = 16.0
 _Lines = Sequence[tuple[int, list[str]]]
 
 
-def text_table(path: Path, text: str, suffix: str) -> Table:
-    """Read what there is of a table, noting what is odd."""
-    lines = list(_lines(text))
+def keyed_tables(path: Path, content: bytes) -> list[Table]:
+    """The table of a .spi1d or a .cube of either style, with what is odd in it."""
+    return [_table(path, content, _keyed)]
+
+
+def csp_tables(path: Path, content: bytes) -> list[Table]:
+    """The table of a .csp, with what is odd in it."""
+    return [_table(path, content, _csp)]
+
+
+def _table(path: Path, content: bytes, read: Callable[[Path, _Lines], Table]) -> Table:
+    lines = list(_lines(content.decode("utf-8", "replace")))
     comma = next((n for n, words in lines if DECIMAL_COMMA.search(" ".join(words))), None)
     if comma is not None:
         return broken(path, comma, "a number has a decimal comma", "write decimal points")
     solid = next((n for n, words in lines if words[0].lower() in ("3d", "lut_3d_size")), None)
     if solid is not None:
         return broken(path, solid, "it is a 3-D LUT", "use a 1-D LUT for a curve")
-    return _csp(path, lines) if suffix == ".csp" else _keyed(path, lines)
+    return read(path, lines)
 
 
 def _lines(text: str) -> Iterator[tuple[int, list[str]]]:

@@ -1,0 +1,52 @@
+"""One LUT file as OpenColorIO reads it: the one place where this package asks it to."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import PyOpenColorIO as ocio  # noqa: N813
+
+
+class RefusedError(Exception):
+    """OpenColorIO cannot use a file; the text is its reason, whole, in one line."""
+
+
+def ocio_processor(path: Path, *, inverse: bool = False) -> Any:
+    """Return the processor of a LUT file, as it is on the disk now.
+
+    Parameters
+    ----------
+    path
+        The file.
+    inverse
+        Whether to run it backward.
+
+    Raises
+    ------
+    RefusedError
+        If OpenColorIO does not take it.
+    """
+    source = os.path.abspath(path)  # noqa: PTH100 - resolves no links
+    way = ocio.TRANSFORM_DIR_INVERSE if inverse else ocio.TRANSFORM_DIR_FORWARD
+    try:
+        # It keeps every file it ever read, by path: a file that was written again would be read
+        # as it was, and a batch would fill the memory.
+        ocio.ClearAllCaches()
+        transform = ocio.FileTransform(src=source, interpolation=ocio.INTERP_BEST)
+        # An empty context keeps it from expanding $HOME and the like in the folder's name.
+        return ocio.Config.CreateRaw().getProcessor(ocio.Context(), transform, way)
+    except ocio.Exception as error:
+        raise RefusedError(" ".join(str(error).replace(source, path.name).split())) from error
+    except TypeError as error:  # how its binding meets a path that is not Unicode
+        raise RefusedError("it cannot read from a folder whose name is not Unicode") from error
+    finally:
+        ocio.ClearAllCaches()
+
+
+def exact_cpu(processor: Any, depth: Any = ocio.BIT_DEPTH_F32) -> Any:
+    """Return what runs a processor on 32-bit floats, with no inverse made approximate."""
+    return processor.getOptimizedCPUProcessor(
+        ocio.BIT_DEPTH_F32, depth, ocio.OptimizationFlags.OPTIMIZATION_LOSSLESS
+    )
