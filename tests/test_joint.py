@@ -17,12 +17,12 @@ from facecrf_ocio import (
     gather,
     misfit,
 )
+from facecrf_ocio.calibrate import demand
 from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
 from facecrf_ocio.joint import shipped_joint
 from facecrf_ocio.joint.messages import COMBINED
 from facecrf_ocio.joint.metadata import modern_leaning
 from facecrf_ocio.joint.statistics import CUES
-from facecrf_ocio.published.trust import demand
 from facecrf_ocio.synthetic import SyntheticSpec, gamma_curve, photograph, render_face
 from facecrf_ocio.values import Camera, Primaries
 

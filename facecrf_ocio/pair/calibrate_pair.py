@@ -11,7 +11,7 @@ from facecrf_ocio.pair.align import MIN_CORRELATION, Aligned, align
 from facecrf_ocio.pair.extrapolate import continued
 from facecrf_ocio.pair.fit_channel import ChannelFit, fit_channel
 from facecrf_ocio.pair.flat_pixels import Samples, choose_samples
-from facecrf_ocio.published.trust import prior_confidence
+from facecrf_ocio.response.fixed import prior_confidence
 from facecrf_ocio.response.model import CURVE_SIZE, ResponseModel, dorf_model, strictly_increasing
 from facecrf_ocio.values import (
     CHANNELS,

@@ -17,14 +17,13 @@ import cv2
 from facecrf_ocio.archive.cameras.shot import read_shot
 from facecrf_ocio.archive.manifest.told import face_json, told_before
 from facecrf_ocio.archive.work.task import FAILED, GATHER, Gathered, Output, Result, Task, Timing
-from facecrf_ocio.calibrate import SAME_CURVE, assumptions_of, calibrate
+from facecrf_ocio.calibrate import SAME_CURVE, assumptions_of, calibrate, demand
 from facecrf_ocio.errors import FaceCRFError, OutputError, PhotoError
 from facecrf_ocio.files.folders import make_folder
 from facecrf_ocio.image.linearize import write_linear
 from facecrf_ocio.joint import gather
 from facecrf_ocio.pair.code_samples import take_samples
 from facecrf_ocio.photo.read import read_photo
-from facecrf_ocio.published.trust import demand
 from facecrf_ocio.record.outputs import write_outputs
 from facecrf_ocio.values import Estimate, Photo
 
