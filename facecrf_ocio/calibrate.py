@@ -198,4 +198,5 @@ def assumptions_of(photo: Photo) -> tuple[str, ...]:
         primaries,
         "linear light is relative: exposure is known only up to one scale",
         "the camera applied one curve per channel, alike over the whole photo",
+        *(f"of the file: {note}" for note in photo.notes),
     )

@@ -118,6 +118,8 @@ class Photo:
         What the metadata tell of the camera.
     path, sha256
         Source file and the digest of its bytes; None for an array in memory.
+    notes
+        What reading mended, chosen or set aside, in clauses; empty for a file without a flaw.
     """
 
     encoded: npt.NDArray[np.float32]
@@ -129,6 +131,7 @@ class Photo:
     camera: Camera = field(default_factory=Camera)
     path: Path | None = None
     sha256: str | None = None
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         given = np.asarray(self.encoded)

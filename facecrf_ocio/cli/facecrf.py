@@ -84,7 +84,7 @@ def linearize(
                     overwrite=chosen.overwrite,
                 ),
             )
-    return tell(photo, estimate, written)
+    return tell(photo, estimate, written, notes=source.notes)
 
 
 @main.command()

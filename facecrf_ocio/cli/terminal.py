@@ -105,7 +105,12 @@ def require_writable(folder: Path) -> None:
 
 
 def tell(
-    path: Path, estimate: Estimate, written: tuple[Path, ...], *, as_json: bool = False
+    path: Path,
+    estimate: Estimate,
+    written: tuple[Path, ...],
+    *,
+    notes: tuple[str, ...] = (),
+    as_json: bool = False,
 ) -> int:
     """Print what came of a photo: results on stdout, the lack of one on stderr."""
     verdict = None if estimate.confidence is None else str(estimate.confidence.verdict)
@@ -116,6 +121,8 @@ def tell(
     elif not as_json:
         outcome = f"{estimate.outcome} ({verdict})" if verdict else str(estimate.outcome)
         click.echo(one_line(f"{path}: {outcome}: {estimate.reason}"))
+        for note in notes:
+            click.echo(one_line(f"  note: {note}"))
         for file in written:
             click.echo(one_line(f"  {file}"))
     if as_json:
@@ -129,6 +136,7 @@ def tell(
             verdict=verdict,
             energy=dict(estimate.energy),
             faces=len(estimate.faces),
+            notes=list(notes),
             files=[str(file) for file in written],
         )
     return code
