@@ -28,8 +28,8 @@ from facecrf_ocio.response.model import (
     dorf_model,
     strictly_increasing,
 )
-from facecrf_ocio.settings import PRIORS, VERDICTS, Settings
-from facecrf_ocio.values import Confidence, Estimate, InverseCRF, Outcome, Photo, Verdict
+from facecrf_ocio.settings import PRIORS, Settings
+from facecrf_ocio.values import Confidence, Estimate, InStops, InverseCRF, Outcome, Photo, Verdict
 
 _Model = TypeVar("_Model")
 
@@ -140,6 +140,7 @@ def _already_linear(photo: Photo) -> Estimate:
             np.ones((3, CURVE_SIZE)),
             Verdict.RELIABLE,
             ("linear by the file's format: nothing was estimated",),
+            InStops(np.zeros((3, 256)), 0.0, 0.0),
         ),
         assumptions=assumptions_of(photo),
     )
@@ -162,30 +163,6 @@ def _fixed_curve(name: str, photo: Photo, model: ResponseModel) -> Estimate:
 def _fall_back(estimate: Estimate, name: str, photo: Photo, model: ResponseModel) -> Estimate:
     fixed = _fixed_curve(name, photo, model)
     return replace(fixed, reason=f"{estimate.reason}: fell back to the {name} curve")
-
-
-def demand(estimate: Estimate, least: str) -> Estimate:
-    """The estimate, or a refusal where its verdict is below the least wanted.
-
-    Parameters
-    ----------
-    estimate
-        With or without a curve.
-    least
-        One of `settings.VERDICTS`.
-    """
-    if estimate.found is None or estimate.confidence is None:
-        return estimate
-    verdict = str(estimate.confidence.verdict)
-    if VERDICTS.index(verdict) >= VERDICTS.index(least):
-        return estimate
-    return Estimate(
-        Outcome.NOT_CALIBRATED,
-        estimate.estimator,
-        f"the estimate is {verdict}, and {least} was asked for "
-        f"({'; '.join(estimate.confidence.reasons)})",
-        "use a larger, unretouched face, several photos together, or ask for less",
-    )
 
 
 def assumptions_of(photo: Photo) -> tuple[str, ...]:

@@ -77,6 +77,12 @@ def estimation_options(command: Callable[..., Any]) -> Callable[..., Any]:
             help="Write nothing where the verdict is below this (exit code 4).",
         ),
         click.option(
+            "--max-error",
+            type=click.FloatRange(0, min_open=True),
+            metavar="STOPS",
+            help="Write nothing where the expected error is above this, such as 0.1 (exit code 4).",
+        ),
+        click.option(
             "--per-channel/--shared",
             "per_channel",
             default=None,
@@ -98,6 +104,7 @@ class Choices:
     fallback: str
     prior: str
     min_confidence: str
+    max_error: float | None
     per_channel: bool | None
     overwrite: bool
 
@@ -116,7 +123,7 @@ class Choices:
     def read_and_estimate(self, path: Path) -> tuple[Photo, Estimate]:
         """Read one photo and estimate its curve."""
         from facecrf_ocio import calibrate, read_photo
-        from facecrf_ocio.calibrate import demand
+        from facecrf_ocio.record.demand import Demand, demand
 
         photo = read_photo(path)
         estimate = calibrate(
@@ -126,18 +133,19 @@ class Choices:
             prior=self.prior,
             settings=self.settings,
         )
-        return photo, demand(estimate, self.min_confidence)
+        return photo, demand(estimate, Demand(self.min_confidence, self.max_error))
 
     def estimate_together(self, paths: tuple[Path, ...]) -> Together:
         """One curve from all photos, which one camera took."""
         from dataclasses import replace
 
         from facecrf_ocio import calibrate_together, read_photo
-        from facecrf_ocio.calibrate import demand
+        from facecrf_ocio.record.demand import Demand, demand
 
         photos = (read_photo(path) for path in paths)
         together = calibrate_together(photos, prior=self.prior, settings=self.settings)
-        return replace(together, estimate=demand(together.estimate, self.min_confidence))
+        least = Demand(self.min_confidence, self.max_error)
+        return replace(together, estimate=demand(together.estimate, least))
 
 
 def direction_options(command: Callable[..., Any]) -> Callable[..., Any]:

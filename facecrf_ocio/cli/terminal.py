@@ -113,14 +113,16 @@ def tell(
     as_json: bool = False,
 ) -> int:
     """Print what came of a photo: results on stdout, the lack of one on stderr."""
-    verdict = None if estimate.confidence is None else str(estimate.confidence.verdict)
-    code = DONE
+    from facecrf_ocio.record.trust_words import trust_phrase
+
+    told, code = estimate.confidence, DONE
+    expected = None if told is None else told.in_stops
     if estimate.found is None:
         message = f"{path}: {estimate.outcome}: {estimate.reason}; {estimate.remedy}"
         code = complain(message, NOTHING)
     elif not as_json:
-        outcome = f"{estimate.outcome} ({verdict})" if verdict else str(estimate.outcome)
-        click.echo(one_line(f"{path}: {outcome}: {estimate.reason}"))
+        trust = "" if told is None else f" ({trust_phrase(told)})"
+        click.echo(one_line(f"{path}: {estimate.outcome}{trust}: {estimate.reason}"))
         for note in notes:
             click.echo(one_line(f"  note: {note}"))
         for file in written:
@@ -133,7 +135,10 @@ def tell(
             estimator=estimate.estimator,
             reason=estimate.reason,
             remedy=estimate.remedy,
-            verdict=verdict,
+            verdict=None if told is None else str(told.verdict),
+            expected_stops=None if expected is None else round(expected.mid, 4),
+            expected_stops_shadows=None if expected is None else round(expected.shadows, 4),
+            differs_from_srgb=None if told is None else told.differs_from_srgb,
             energy=dict(estimate.energy),
             faces=len(estimate.faces),
             notes=list(notes),

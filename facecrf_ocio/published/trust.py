@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from facecrf_ocio.estimators import Estimator
+from facecrf_ocio.response.expected_stops import prior_in_stops
 from facecrf_ocio.response.fixed import curve_deviation
 from facecrf_ocio.response.model import CURVE_SIZE, ResponseModel
 from facecrf_ocio.values import CHANNELS, Confidence, Float, Verdict
@@ -26,7 +27,8 @@ def fitted_confidence(estimator: Estimator, encoded: Float, model: ResponseModel
     sigma = np.tile(estimator.band_scale * curve_deviation(model), (len(CHANNELS), 1))
     low, high = np.quantile(encoded, [0.05, 0.95])
     span = f"the evidence lies between the encoded values {low:.2f} and {high:.2f}"
-    return Confidence(sigma, coverage, Verdict.WEAK, (span, *estimator.reasons))
+    in_stops = prior_in_stops(model, estimator.band_scale)
+    return Confidence(sigma, coverage, Verdict.WEAK, (span, *estimator.reasons), in_stops)
 
 
 def _coverage(values: Float, codes: Float) -> Float:

@@ -9,6 +9,7 @@ import numpy as np
 from facecrf_ocio.color.srgb import decode_srgb
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.estimators import ESTIMATORS, FIXED_CURVES
+from facecrf_ocio.response.expected_stops import prior_in_stops
 from facecrf_ocio.response.model import CURVE_SIZE, ResponseModel
 from facecrf_ocio.values import CHANNELS, Confidence, Float, Verdict
 
@@ -62,7 +63,7 @@ def prior_confidence(model: ResponseModel, reason: str) -> Confidence:
     """Confidence of a curve that rests on nothing in the photo: the prior's own spread."""
     sigma = np.tile(curve_deviation(model), (len(CHANNELS), 1))
     coverage = np.zeros((len(CHANNELS), CURVE_SIZE))
-    return Confidence(sigma, coverage, Verdict.PRIOR_ONLY, (reason,))
+    return Confidence(sigma, coverage, Verdict.PRIOR_ONLY, (reason,), prior_in_stops(model))
 
 
 def curve_deviation(model: ResponseModel) -> Float:

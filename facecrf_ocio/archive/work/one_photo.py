@@ -17,13 +17,14 @@ import cv2
 from facecrf_ocio.archive.cameras.shot import read_shot
 from facecrf_ocio.archive.manifest.told import face_json, told_before
 from facecrf_ocio.archive.work.task import FAILED, GATHER, Gathered, Output, Result, Task, Timing
-from facecrf_ocio.calibrate import SAME_CURVE, assumptions_of, calibrate, demand
+from facecrf_ocio.calibrate import SAME_CURVE, assumptions_of, calibrate
 from facecrf_ocio.errors import FaceCRFError, OutputError, PhotoError
 from facecrf_ocio.files.folders import make_folder
 from facecrf_ocio.image.linearize import write_linear
 from facecrf_ocio.joint import gather
 from facecrf_ocio.pair.code_samples import take_samples
 from facecrf_ocio.photo.read import read_photo
+from facecrf_ocio.record.demand import Demand, demand
 from facecrf_ocio.record.outputs import write_outputs
 from facecrf_ocio.values import Estimate, Photo
 
@@ -84,7 +85,8 @@ def _gather(task: Task, photo: Photo) -> Result:
 
 
 def _estimate(task: Task, photo: Photo) -> tuple[Result, Estimate]:
-    estimate = demand(_found(task, photo), task.recipe.min_confidence)
+    least = Demand(task.recipe.min_confidence, task.recipe.max_error)
+    estimate = demand(_found(task, photo), least)
     result = Result(
         str(estimate.outcome),
         "" if estimate.confidence is None else str(estimate.confidence.verdict),
