@@ -1,4 +1,4 @@
-"""A node group that holds a curve as native RGB curves.
+"""A node group, for the compositor or for shaders, that holds a curve as native RGB curves.
 
 It is saved in the .blend and renders where this extension is not installed. (A node type of this
 extension's own would not: without the extension Blender makes it undefined.)
@@ -14,6 +14,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from .color_space import from_rec709
 from .command import Calibration
 
 CLOSE = 1e-5
@@ -22,9 +23,15 @@ LENGTHS = (4096, 2048, 1024, 768, 512, 384)  # intervals to try; of 256 none is 
 PHOTO, VERDICT, REASON = "facecrf_photo", "facecrf_verdict", "facecrf_reason"
 
 
-def new_curve_group(name: str, calibration: Calibration) -> bpy.types.NodeTree:
-    """Return a new compositor group, image in and scene-linear image out."""
-    tree = bpy.data.node_groups.new(f"Linearize {name}", "CompositorNodeTree")
+COMPOSITOR, SHADER = "CompositorNodeTree", "ShaderNodeTree"
+# Of each kind of tree: the curve node, and the older mixing node where there is no common one.
+_CURVES = {COMPOSITOR: "CompositorNodeCurveRGB", SHADER: "ShaderNodeRGBCurve"}
+_PREFIX = {COMPOSITOR: "CompositorNode", SHADER: "ShaderNode"}
+
+
+def new_curve_group(name: str, calibration: Calibration, kind: str) -> bpy.types.NodeTree:
+    """Return a new group for trees of a kind, code values in and scene-linear light out."""
+    tree = bpy.data.node_groups.new(f"Linearize {name}", kind)
     for way in ("INPUT", "OUTPUT"):
         tree.interface.new_socket(name="Image", in_out=way, socket_type="NodeSocketColor")
     fill(tree, name, calibration)
@@ -37,30 +44,70 @@ def fill(tree: bpy.types.NodeTree, name: str, calibration: Calibration) -> None:
     entry, leave = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
     rows, total = np.array(calibration.rows), None
     for index, (first, last) in enumerate(_pieces(rows)):
-        curves = tree.nodes.new("CompositorNodeCurveRGB")
+        curves = tree.nodes.new(_CURVES[tree.bl_idname])
         curves.location = (300, -400 * index)
-        _fill_piece(curves.mapping, rows, first, last)
-        tree.links.new(entry.outputs["Image"], curves.inputs["Image"])
-        piece = curves.outputs["Image"]
+        _fill_piece(curves.mapping, rows, (first, last), shader=tree.bl_idname == SHADER)
+        tree.links.new(entry.outputs["Image"], _colors(curves.inputs)[0])
+        piece = curves.outputs[0]
         total = piece if total is None else _sum(tree, total, piece, index)
+    right = 800 + 200 * index
+    matrix = from_rec709() @ np.array(calibration.matrix)
+    if not np.allclose(matrix, np.eye(3), atol=1e-6):
+        total = _multiplied(tree, total, matrix.tolist(), right)
+        right += 1000
     tree.links.new(total, leave.inputs["Image"])
-    leave.location = (800 + 200 * index, 0)
+    leave.location = (right, 0)
     tree.name = f"Linearize {name}"
     tree[PHOTO], tree[VERDICT], tree[REASON] = name, calibration.verdict, calibration.reason
 
 
+def _colors(sockets):
+    return [socket for socket in sockets if socket.type == "RGBA" and socket.enabled]
+
+
+def _node(tree, *names):
+    """Make a node of the first type that this Blender has."""
+    for name in names:
+        try:
+            return tree.nodes.new(name)
+        except RuntimeError:
+            continue
+    raise RuntimeError(f"this Blender has none of {', '.join(names)}")
+
+
 def _sum(tree, total, piece, index):
-    add = tree.nodes.new("ShaderNodeMix")
+    add = _node(tree, "ShaderNodeMix", "CompositorNodeMixRGB")
     add.location = (500 + 200 * index, 0)
-    add.data_type, add.blend_type = "RGBA", "ADD"
-    factor, first, second = (
-        next(socket for socket in add.inputs if socket.identifier == name)
-        for name in ("Factor_Float", "A_Color", "B_Color")
-    )
-    factor.default_value = 1.0
+    if add.bl_idname == "ShaderNodeMix":
+        add.data_type = "RGBA"
+    add.blend_type = "ADD"
+    next(s for s in add.inputs if s.type == "VALUE" and s.enabled).default_value = 1.0
+    first, second = _colors(add.inputs)
     tree.links.new(total, first)
     tree.links.new(piece, second)
-    return next(socket for socket in add.outputs if socket.identifier == "Result_Color")
+    return _colors(add.outputs)[0]
+
+
+def _multiplied(tree, color, matrix, left):
+    """The photo's primaries to the config's: nine multiplications, since no node is a matrix."""
+    prefix = _PREFIX[tree.bl_idname]
+    split = _node(tree, f"{prefix}SeparateColor")
+    join = _node(tree, f"{prefix}CombineColor")
+    split.location, join.location = (left, 0), (left + 800, 0)
+    tree.links.new(color, _colors(split.inputs)[0])
+    for row, factors in enumerate(matrix):
+        total = None
+        for column, factor in enumerate(factors):
+            math = _node(tree, "ShaderNodeMath", "CompositorNodeMath")
+            math.operation = "MULTIPLY_ADD"
+            math.location = (left + 200 * (column + 1), -200 * row)
+            math.inputs[1].default_value, math.inputs[2].default_value = factor, 0.0
+            tree.links.new(split.outputs[column], math.inputs[0])
+            if total is not None:
+                tree.links.new(total, math.inputs[2])
+            total = math.outputs[0]
+        tree.links.new(total, join.inputs[row])
+    return _colors(join.outputs)[0]
 
 
 def _pieces(rows):
@@ -85,13 +132,19 @@ def _miss(rows, first, last):
     return np.abs(drawn - rows[entries]).max()
 
 
-def _fill_piece(mapping, rows, first, last):
+def _fill_piece(mapping, rows, piece, *, shader):
+    first, last = piece
     places, curves = _sampled(rows, first, last)
     codes = places / (len(rows) - 1)
     mapping.use_clip = False
     mapping.extend = "HORIZONTAL"  # as OCIO does outside of a LUT's domain
     # Though nothing is clipped: the samples are spread over the clipping region.
     mapping.clip_max_x, mapping.clip_min_x = codes[-1], codes[0]
+    if shader:
+        # The curve of all channels stays straight, but must end here too: Cycles spreads its
+        # samples over what all four curves span. It is asked first there, in the compositor last.
+        for point, code in zip(mapping.curves[3].points, (codes[0], codes[-1]), strict=True):
+            point.location = (code, code)
     for channel, curve in enumerate(curves):
         points = mapping.curves[channel].points
         linear = curve - curve[0] if first else curve
