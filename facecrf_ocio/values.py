@@ -17,10 +17,6 @@ Float = npt.NDArray[np.floating[Any]]
 Bool = npt.NDArray[np.bool_]
 Index = npt.NDArray[np.intp]
 
-DIFFERS_SHARE = 0.95
-"""Share of the curves that a photo leaves possible to which the estimate is nearer than sRGB
-decoding, from which it is said to differ from sRGB."""
-
 CHANNELS = ("R", "G", "B")
 
 
@@ -122,8 +118,6 @@ class Photo:
         What the metadata tell of the camera.
     path, sha256
         Source file and the digest of its bytes; None for an array in memory.
-    notes
-        What reading mended, chosen or set aside, in clauses; empty for a file without a flaw.
     """
 
     encoded: npt.NDArray[np.float32]
@@ -135,7 +129,6 @@ class Photo:
     camera: Camera = field(default_factory=Camera)
     path: Path | None = None
     sha256: str | None = None
-    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         given = np.asarray(self.encoded)
@@ -351,17 +344,11 @@ class Confidence:
     coverage
         (3, K) share of the photo's evidence at or near each code, [0, 1].
     verdict
-        In one word; of accuracy alone.
+        In one word.
     reasons
-        What else there is to say of it, in sentences.
+        In sentences.
     in_stops
-        The band and the expected error in stops; None where they are not known (records of older
-        versions).
-    nearer_than_srgb
-        Share of the curves that the photo leaves possible to which the estimate is nearer than sRGB
-        decoding, in stops over codes 64 to 235; None where that was not asked.
-    outvoted
-        Cues, or photos, that contradict the other evidence and count less.
+        The same in stops; None where it is not known (records of older versions).
     """
 
     sigma: Float
@@ -369,14 +356,6 @@ class Confidence:
     verdict: Verdict
     reasons: tuple[str, ...]
     in_stops: InStops | None = None
-    nearer_than_srgb: float | None = None
-    outvoted: tuple[str, ...] = ()
-
-    @property
-    def differs_from_srgb(self) -> bool | None:
-        """Whether the curve is surely another than sRGB's; None where that was not asked."""
-        share = self.nearer_than_srgb
-        return None if share is None else share >= DIFFERS_SHARE
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -428,5 +407,6 @@ class Estimate:
             If the photo could not be calibrated; the text says why and what to do.
         """
         if self.found is None:
-            raise NotCalibratedError(f"no curve: {self.reason}; {self.remedy}")
+            remedy = ", or ".join(filter(None, (self.remedy, 'calibrate(..., fallback="mean")')))
+            raise NotCalibratedError(f"no curve: {self.reason}; {remedy}")
         return self.found

@@ -18,10 +18,10 @@ PACKAGE = Path(facecrf_ocio.__file__).parent
 # From the bottom up: what stands in one row may import its own room and the rows above it here.
 LAYERS = (
     ("errors",),
-    ("values", "settings", "estimators"),
+    ("values", "settings"),
     ("files", "color"),
     ("response", "photo"),
-    ("face", "lut"),
+    ("face", "lut", "wording"),
     ("published",),
     ("joint", "pair"),
     ("calibrate", "together"),

@@ -37,7 +37,7 @@ from facecrf_ocio.lut.format_table import default_formats, format_names
 
 if TYPE_CHECKING:
     from facecrf_ocio.together import Together
-    from facecrf_ocio.values import Estimate, Photo
+    from facecrf_ocio.values import Estimate
 
 PLOT_SUFFIX = ".crf.png"
 """Not `.png`, which next to a PNG photo would be the photo itself."""
@@ -81,15 +81,16 @@ class _Calibration:
         """Calibrate one photo, tell of it, and return its exit code."""
         try:
             with status(message):
-                photo, estimate, written = self._calibrate(path)
+                estimate, written = self._calibrate(path)
         except (FaceCRFError, MemoryError) as error:
             code = complain(problem_of(error), exit_code_of(error))
             if self.as_json:
                 tell_json(path, code, outcome="error", reason=problem_of(error))
             return code
-        return tell(path, estimate, written, notes=photo.notes, as_json=self.as_json)
+        verbose = self.choices.verbose
+        return tell(path, estimate, written, as_json=self.as_json, verbose=verbose)
 
-    def _calibrate(self, path: Path) -> tuple[Photo, Estimate, tuple[Path, ...]]:
+    def _calibrate(self, path: Path) -> tuple[Estimate, tuple[Path, ...]]:
         from facecrf_ocio.files.atomic import require_free
         from facecrf_ocio.record.outputs import require_outputs_free, write_outputs
 
@@ -105,16 +106,15 @@ class _Calibration:
 
             photo, estimate = read_photo(path), self.together.estimate
         if estimate.found is None:
-            return photo, estimate, ()
+            return estimate, ()
         also = []
         if self.plot:
             from facecrf_ocio.plots.calibration_plot import plot_draft
 
             also.append(plot_draft(picture, photo, estimate, settings))
-        written = write_outputs(
+        return estimate, write_outputs(
             photo, estimate, settings, self.folder, self.formats, overwrite=overwrite, also=also
         )
-        return photo, estimate, written
 
 
 def _estimate_together(photos: tuple[Path, ...], choices: Choices) -> Together:

@@ -14,6 +14,7 @@ from facecrf_ocio import __version__
 from facecrf_ocio.cli.archive_commands import batch, report, verify
 from facecrf_ocio.cli.bench_command import bench
 from facecrf_ocio.cli.calibrate_command import calibrate
+from facecrf_ocio.cli.explain_command import explain
 from facecrf_ocio.cli.lint_command import lint
 from facecrf_ocio.cli.ocio_config_command import ocio_config
 from facecrf_ocio.cli.options import (
@@ -53,6 +54,7 @@ main.add_command(lint)
 main.add_command(batch)
 main.add_command(verify)
 main.add_command(report)
+main.add_command(explain)
 
 
 @main.command()
@@ -84,7 +86,7 @@ def linearize(
                     overwrite=chosen.overwrite,
                 ),
             )
-    return tell(photo, estimate, written, notes=source.notes)
+    return tell(photo, estimate, written, verbose=chosen.verbose)
 
 
 @main.command()

@@ -109,22 +109,25 @@ def tell(
     estimate: Estimate,
     written: tuple[Path, ...],
     *,
-    notes: tuple[str, ...] = (),
     as_json: bool = False,
+    verbose: bool = False,
 ) -> int:
     """Print what came of a photo: results on stdout, the lack of one on stderr."""
-    from facecrf_ocio.record.trust_words import trust_phrase
+    from facecrf_ocio.wording.expectation import expectation
+    from facecrf_ocio.wording.sentence import COMMAND_LINE, details, sentence
 
-    told, code = estimate.confidence, DONE
-    expected = None if told is None else told.in_stops
+    expected = expectation(estimate)
+    verdict = None if estimate.confidence is None else str(estimate.confidence.verdict)
+    code = DONE
     if estimate.found is None:
-        message = f"{path}: {estimate.outcome}: {estimate.reason}; {estimate.remedy}"
+        message = f"{path}: {estimate.outcome}: {sentence(estimate, COMMAND_LINE)}"
         code = complain(message, NOTHING)
     elif not as_json:
-        trust = "" if told is None else f" ({trust_phrase(told)})"
-        click.echo(one_line(f"{path}: {estimate.outcome}{trust}: {estimate.reason}"))
-        for note in notes:
-            click.echo(one_line(f"  note: {note}"))
+        outcome = f"{estimate.outcome} ({verdict})" if verdict else str(estimate.outcome)
+        click.echo(one_line(f"{path}: {outcome}: {sentence(estimate, COMMAND_LINE)}"))
+        if verbose:
+            for line in details(estimate):
+                click.echo(one_line(f"  {line}"))
         for file in written:
             click.echo(one_line(f"  {file}"))
     if as_json:
@@ -135,13 +138,11 @@ def tell(
             estimator=estimate.estimator,
             reason=estimate.reason,
             remedy=estimate.remedy,
-            verdict=None if told is None else str(told.verdict),
-            expected_stops=None if expected is None else round(expected.mid, 4),
-            expected_stops_shadows=None if expected is None else round(expected.shadows, 4),
-            differs_from_srgb=None if told is None else told.differs_from_srgb,
+            summary=sentence(estimate),
+            expected=None if expected is None else expected.record(),
+            verdict=verdict,
             energy=dict(estimate.energy),
             faces=len(estimate.faces),
-            notes=list(notes),
             files=[str(file) for file in written],
         )
     return code

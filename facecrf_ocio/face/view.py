@@ -75,9 +75,9 @@ def lacking_faces(found: FoundFaces, settings: Settings) -> Lacking:
     if found.too_small:
         return Lacking(
             f"{count_faces(found.too_small)} found, narrower than {settings.min_face_width} px",
-            "use a larger version of the photo, or --fallback mean",
+            "use a larger version of the photo",
         )
-    return Lacking("no face found", "use a photo with a face, or --fallback mean")
+    return Lacking("no face found", "use a photo with a face")
 
 
 def count_faces(count: int) -> str:

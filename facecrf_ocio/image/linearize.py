@@ -13,6 +13,7 @@ from facecrf_ocio.color.working_space import working_primaries, working_space_ma
 from facecrf_ocio.image.apply import Pixels, Rows, linear_rows, write_exr
 from facecrf_ocio.image.lookup import curve_lookup
 from facecrf_ocio.values import Estimate, Photo
+from facecrf_ocio.wording.sentence import sentence
 
 
 def write_linear(
@@ -44,6 +45,7 @@ def write_linear(
     }
     if estimate.confidence is not None:
         provenance["confidence"] = str(estimate.confidence.verdict)
+        provenance["summary"] = sentence(estimate)
     # A matrix wants more than half floats of what it is given.
     rows = linear_rows(photo, curve_lookup(estimate.curve), half=half and not space)
     linear: Pixels | Rows = photo.encoded if photo.scene_linear else rows

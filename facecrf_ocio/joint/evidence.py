@@ -24,8 +24,8 @@ from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Face, Float, Lacking, Photo
 
 COVERAGE_BINS = 64
-_COLOR = "use a color version, or --fallback mean"
-_LARGER = "use a larger version of the photo, or --fallback mean"
+_COLOR = "use a color version"
+_LARGER = "use a larger version of the photo"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

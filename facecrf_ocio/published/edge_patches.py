@@ -102,7 +102,7 @@ def find_edge_patches(encoded: npt.NDArray[np.float32]) -> list[EdgePatch]:
     return _without_overlap(sorted(patches.values(), key=_quality, reverse=True))
 
 
-def stack_blends(patches: list[EdgePatch]) -> EdgeBlends:
+def gather_blends(patches: list[EdgePatch]) -> EdgeBlends:
     """Colors of all patches in the arrays that the energies take."""
     counts = [len(patch.blends) for patch in patches]
     return EdgeBlends(
@@ -117,14 +117,14 @@ def lacking_patches(photo: Photo, count: int) -> Lacking | None:
     if photo.grayscale:
         return Lacking(
             "the photo is grayscale, and color blends show only in color",
-            "use a color version, or --fallback mean",
+            "use a color version",
         )
     if count < MIN_PATCHES:
         return Lacking(
             f"the photo shows too few clean edges between two uniform colors ({count} found, "
             f"{MIN_PATCHES} are needed)",
             "use a sharp photo of flat, differently colored surfaces that was not sharpened or "
-            "scaled, or --fallback mean",
+            "scaled",
         )
     return None
 

@@ -58,7 +58,7 @@ MIN_RANGE = 0.3
 SUMMARY_SIZE = 256
 
 
-def intensity_similarity_answer(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
+def intensity_similarity_cue(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
     """Measure the noise of uniform blocks at each level, and fit the curve that explains it."""
     step = 0.0 if photo.bit_depth is None else 1.0 / (2**photo.bit_depth - 1)
     blocks = uniform_blocks(photo.encoded)
@@ -173,12 +173,12 @@ def _lacking(channels: list[NoiseLevels], blocks: int) -> Lacking | None:
         return Lacking(
             f"{blocks} uniform blocks show noise at {fewest} brightness levels "
             f"({MIN_LEVELS} are needed)",
-            "use a photo with plain surfaces and visible noise, not denoised, or --fallback mean",
+            "use a photo with plain surfaces and visible noise, not denoised",
         )
     width = min(float(np.ptp(levels.encoded)) for levels in channels)
     if width < MIN_RANGE:
         return Lacking(
             f"the uniform regions span {width:.0%} of the code range ({MIN_RANGE:.0%} are needed)",
-            "use a photo with plain surfaces from dark to light, or --fallback mean",
+            "use a photo with plain surfaces from dark to light",
         )
     return None

@@ -20,7 +20,6 @@ from facecrf_ocio.values import (
     Confidence,
     Estimate,
     Float,
-    InStops,
     InverseCRF,
     Outcome,
     Photo,
@@ -28,6 +27,8 @@ from facecrf_ocio.values import (
     Verdict,
     frozen,
 )
+from facecrf_ocio.wording.expectation import expectation
+from facecrf_ocio.wording.sentence import sentence
 
 SCHEMA = "facecrf sidecar"
 SCHEMA_VERSION = 2
@@ -119,6 +120,7 @@ def sidecar_draft(
     path: Path, photo: Photo, estimate: Estimate, settings: Settings, luts: Sequence[Path]
 ) -> Draft:
     """Return the sidecar to be written, which is read back before it appears."""
+    expected = expectation(estimate)
     record = {
         "schema": SCHEMA,
         "schema_version": SCHEMA_VERSION,
@@ -126,6 +128,8 @@ def sidecar_draft(
         "estimator": estimate.estimator,
         "reason": estimate.reason,
         "remedy": estimate.remedy,
+        "summary": sentence(estimate),
+        "expected": None if expected is None else expected.record(),
         "source": asdict(_source(photo)),
         "luts": [lut.name for lut in luts],
         "linear_light": {
@@ -207,15 +211,9 @@ def _curve_record(curve: InverseCRF | None) -> dict[str, object] | None:
 def _confidence_record(confidence: Confidence | None) -> dict[str, object] | None:
     if confidence is None:
         return None
-    told = confidence.in_stops
     return {
         "verdict": confidence.verdict.value,
-        "expected_stops": None if told is None else {"64-235": told.mid, "16-64": told.shadows},
-        "differs_from_srgb": confidence.differs_from_srgb,
-        "nearer_than_srgb": confidence.nearer_than_srgb,
-        "outvoted": confidence.outvoted,
         "reasons": confidence.reasons,
-        "sigma_stops": None if told is None else thinned(told.sigma),
         "sigma": thinned(confidence.sigma),
         "coverage": thinned(confidence.coverage),
     }
@@ -283,19 +281,7 @@ def _read_confidence(record: dict[str, Any] | None) -> Confidence | None:
         coverage=frozen(read_rows(record["coverage"])),
         verdict=Verdict(record["verdict"]),
         reasons=tuple(record["reasons"]),
-        in_stops=_read_in_stops(record),
-        nearer_than_srgb=record.get("nearer_than_srgb"),
-        outvoted=tuple(record.get("outvoted", ())),
     )
-
-
-def _read_in_stops(record: dict[str, Any]) -> InStops | None:
-    """None in records that were written before stops were told."""
-    expected = record.get("expected_stops")
-    if expected is None:
-        return None
-    sigma = frozen(read_rows(record["sigma_stops"]))
-    return InStops(sigma, float(expected["64-235"]), float(expected["16-64"]))
 
 
 def _array(numbers: list[Any]) -> Float:

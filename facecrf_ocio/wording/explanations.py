@@ -1,0 +1,80 @@
+"""What `facecrf explain` says of the words that results use."""
+
+from __future__ import annotations
+
+import textwrap
+
+from facecrf_ocio.settings import ESTIMATOR_NAMES
+
+VERDICTS = """\
+A verdict says how far a curve may be trusted.
+
+reliable    Use it. The error that is expected is small, and at least 95 of 100 curves
+            that the photo leaves possible are nearer to the estimate than to sRGB.
+weak        A first guess. The photo says something, but little, or its cues contradict
+            each other. Compare it with sRGB; more photos of the same camera together,
+            a raw file beside the JPEG, or a bracket make it surer.
+prior only  Not of this photo: what cameras do on average, or a fixed curve that was
+            asked for.
+
+The error is the band's, at one standard deviation: in stops at codes 64 to 235
+(midtones) and 16 to 64 (shadows), once the one free factor is out at mid-gray; and
+over all codes in percent of white. Plots and reports show the 90 % band.
+"""
+
+OUTCOMES = """\
+An outcome says whether there is a curve, and what it rests on.
+
+calibrated       A curve from this photo's own evidence.
+from its camera  No evidence of its own; the curve of other photos of the same camera.
+already linear   The file (raw, OpenEXR, HDR) holds linear light: use it as it is.
+fallback         The curve that was asked for where the photo gives none.
+not calibrated   No curve was written. The line says why, and what to do.
+"""
+
+EXPOSURE = """\
+Linear light is relative: one photo cannot tell how bright the scene was. White stays 1,
+which is why a linear plate looks dark beside an encoded one.
+
+--exposure STOPS   multiplies the EXR by two to the power of STOPS.
+--exposure gray    brings the geometric mean of the picture's luminance to 0.18.
+--exposure skin    brings the skin of the largest face to what skin of its tone
+                   reflects as a rule (luminance 0.12 to 0.45).
+
+The curve and its LUT files stay as they are. The EXR records the factor
+(facecrf:exposure), so that it can be taken out again.
+"""
+
+_ESTIMATORS = {
+    "auto": "recommended: `joint`, but a photo without a face is refused",
+    "joint": "every cue of the photo, weighed against a prior of film and digital responses",
+    "face": "the paper's method: skin's pigments, shading removed with the face's geometry",
+    "face-unshaded": "the paper's variant that takes shading for constant between neighbors",
+    "edge": "colors that blend across an edge lie on a line in linear light; needs no face",
+    "geometry-invariant": "second derivatives where light is a plane; needs smooth ramps",
+    "intensity-similarity": "noise of uniform regions is symmetric in linear light",
+    "rank": "blends of two colors have low rank in linear light; needs no face",
+    "mean": "what cameras do on average, without looking at the photo",
+    "srgb": "the standard's curve, without looking at the photo",
+    "gamma22": "a power of 2.2, without looking at the photo",
+    "identity": "the code values as they are",
+}
+
+
+def estimators() -> str:
+    """Every estimator in one line."""
+    lines = [_hanging(name, _ESTIMATORS.get(name, "")) for name in ESTIMATOR_NAMES]
+    return "\n".join(["An estimator turns a photo into a curve.", "", *lines, ""])
+
+
+def _hanging(name: str, text: str) -> str:
+    return textwrap.fill(f"{name:<21}{text}".rstrip(), 88, subsequent_indent=" " * 21)
+
+
+def explanation(topic: str) -> str:
+    """Return the text on one of `TOPICS`."""
+    return estimators() if topic == "estimators" else _TEXTS[topic]
+
+
+_TEXTS = {"verdicts": VERDICTS, "outcomes": OUTCOMES, "exposure": EXPOSURE}
+TOPICS = (*_TEXTS, "estimators")

@@ -1,0 +1,108 @@
+"""The one line that says what can be done with a result: for every surface, from fields alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from facecrf_ocio.values import Estimate, Outcome, Verdict
+from facecrf_ocio.wording.expectation import Expectation, expectation
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """How a place where results are shown calls what would make them better.
+
+    Attributes
+    ----------
+    together, pair, larger
+        More photos of one camera; a raw file beside the JPEG, or a bracket; the original file.
+    fallback
+        A curve where the photo gives none.
+    """
+
+    together: str
+    pair: str
+    larger: str
+    fallback: str
+
+
+COMMAND_LINE = Surface(
+    "--together with more photos of this camera",
+    "`facecrf pair` with a raw file or a bracket",
+    "the original instead of a small copy",
+    "--fallback mean",
+)
+PYTHON = Surface(
+    "calibrate_together(photos) of this camera",
+    "calibrate_pair with a raw file or a bracket",
+    "the original instead of a small copy",
+    'fallback="mean"',
+)
+ANYWHERE = Surface(
+    "more photos of this camera together",
+    "a raw file or a bracket of this camera",
+    "the original instead of a small copy",
+    "the mean response instead",
+)
+
+_SAID = {
+    Verdict.RELIABLE: "expect",
+    Verdict.WEAK: "a first guess: expect",
+    Verdict.PRIOR_ONLY: "not this photo's own curve: expect",
+}
+
+
+def sentence(estimate: Estimate, surface: Surface = ANYWHERE) -> str:
+    """Return what to expect of a curve and what would make it better; or why there is none."""
+    if estimate.outcome is Outcome.ALREADY_LINEAR:
+        return "linear already: use the pixels as they are"
+    expected = expectation(estimate)
+    if expected is None:
+        return f"{estimate.reason}; {remedy(estimate, surface)}"
+    fixed = estimate.outcome is Outcome.FALLBACK
+    begin = f"{estimate.reason}; expect" if fixed else _SAID[expected.verdict]
+    parts = [f"{begin} {error_words(expected)}", srgb_words(expected)]
+    if expected.verdict is not Verdict.RELIABLE:
+        parts.append(f"surer: {surface.together}, or {surface.pair}")
+    return "; ".join(parts)
+
+
+def details(estimate: Estimate) -> tuple[str, ...]:
+    """Return what the curve rests on, one line each, for those who ask."""
+    reasons = () if estimate.confidence is None else estimate.confidence.reasons
+    return (estimate.reason, *reasons, *estimate.assumptions)
+
+
+def remedy(estimate: Estimate, surface: Surface = ANYWHERE) -> str:
+    """Return what the user can do where a photo says nothing, in the words of a surface."""
+    if estimate.outcome is not Outcome.NOT_CALIBRATED:
+        return estimate.remedy
+    return ", or ".join(filter(None, (estimate.remedy, surface.fallback)))
+
+
+def error_words(expected: Expectation) -> str:
+    """Return `0.1 stops off in the midtones, 0.4 in the shadows (2 % of white)`."""
+    white = f"{percent(expected.white_percent)} of white"
+    if expected.mid_stops is None or expected.shadow_stops is None:
+        return f"errors about {white}"
+    return (
+        f"{stops(expected.mid_stops)} off in the midtones, "
+        f"{stops(expected.shadow_stops, unit='')} in the shadows ({white})"
+    )
+
+
+def srgb_words(expected: Expectation) -> str:
+    """Return whether decoding as sRGB would do as well."""
+    if expected.srgb_does_as_well:
+        return "sRGB would do as well"
+    return f"sRGB would be {stops(expected.srgb_stops)} off"
+
+
+def stops(value: float, *, unit: str = " stops") -> str:
+    """Return an error in stops with as many digits as mean anything."""
+    return f"{value:.2f}{unit}" if value < 0.095 else f"{value:.1f}{unit}"
+
+
+def percent(value: float) -> str:
+    """Return an error in percent with as many digits as mean anything."""
+    return "less than 1 %" if value < 1.0 else f"{value:.0f} %"
