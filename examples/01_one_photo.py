@@ -13,8 +13,11 @@ photo = read_photo(portrait)
 estimate = calibrate(photo)
 
 print(f"{estimate.outcome} from {estimate.reason}")
-for reason in estimate.confidence.reasons:
-    print(f"  {estimate.confidence.verdict}: {reason}")
+trust = estimate.confidence
+print(f"  {trust.verdict}: expected error {trust.in_stops.mid:.2f} stops in the mid-tones,")
+print(
+    f"  {trust.in_stops.shadows:.2f} in the shadows; differs from sRGB: {trust.differs_from_srgb}"
+)
 
 code_118 = np.full((1, 3), 118 / 255)  # what sRGB calls middle gray, 18 % of white
 print("code 118 is linear", estimate.curve.linearize(code_118)[0].round(3))

@@ -1,35 +1,37 @@
 """Start here: one photo in, its inverse camera response out.
 
 Read this page from top to bottom to follow a photo. The default estimator gathers what every cue of
-the photo says and multiplies it with the prior (`joint/`). The paper's method and its rivals
-(`published/`; `published/face_estimator.py` is the paper's) find terms of one objective in the
-photo, join them with the prior, minimize that over the response model's coefficients, and turn the
-result into a valid curve.
+the photo says and multiplies it with the prior (`joint/`). The paper's method and its rivals branch
+off to `published/estimate.py`. All of them are listed in `estimators.py`.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
 from facecrf_ocio.errors import SettingsError
+from facecrf_ocio.estimators import (
+    ESTIMATORS,
+    FALLBACKS,
+    FIXED_CURVES,
+    JOINT_NAMES,
+)
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude, gather, shipped_joint
-from facecrf_ocio.published.answer import Answer, FittedCurve
-from facecrf_ocio.published.energy.empirical import Empirical
-from facecrf_ocio.published.energy.monotonicity import Monotonicity
-from facecrf_ocio.published.registry import CUES
-from facecrf_ocio.published.solve import Weighted, solve
-from facecrf_ocio.published.trust import fitted_confidence, prior_confidence
-from facecrf_ocio.response.fixed import FIXED_CURVES, fixed_curve
+from facecrf_ocio.published.estimate import published_estimate
+from facecrf_ocio.response.fixed import fixed_curve, prior_confidence
 from facecrf_ocio.response.model import (
     CURVE_SIZE,
     ResponseModel,
     dorf_model,
     strictly_increasing,
 )
-from facecrf_ocio.settings import ESTIMATOR_NAMES, FALLBACKS, PRIORS, Settings
-from facecrf_ocio.values import Confidence, Estimate, InverseCRF, Lacking, Outcome, Photo, Verdict
+from facecrf_ocio.settings import PRIORS, Settings
+from facecrf_ocio.values import Confidence, Estimate, InStops, InverseCRF, Outcome, Photo, Verdict
+
+_Model = TypeVar("_Model")
 
 SAME_CURVE = "the camera applied the same curve to all channels"
 
@@ -51,8 +53,8 @@ def calibrate(
     photo
         As read by `read_photo`, or `Photo(encoded=...)` with an array (H, W, 3) in [0, 1].
     estimator
-        One of `settings.ESTIMATOR_NAMES`. `auto` is `joint`, but refuses a photo without evidence,
-        which `joint` answers with the mean of the prior.
+        One of `estimators.ESTIMATORS`. `auto` is `joint`, but refuses a photo without evidence,
+        which `joint` answers with the mean of the prior unless there is a fallback.
     fallback
         The curve to answer with where the photo gives no evidence: `mean` response, `srgb`, or
         `none` for an estimate without a curve. The outcome says that it was a fallback.
@@ -63,9 +65,10 @@ def calibrate(
     settings
         Weights and thresholds; the defaults are documented in `Settings`.
     model
-        Response model and prior; those that ship by default. A `JointModel` is for `joint`.
+        Response model and prior; those that ship by default. A `JointModel` for `auto` and `joint`,
+        a `ResponseModel` for the others.
     evidence
-        What `gather` said of this photo before; for `joint`, which then does not ask again.
+        What `gather` said of this photo before; for `auto` and `joint`, which do not ask again.
 
     Returns
     -------
@@ -76,75 +79,53 @@ def calibrate(
     Raises
     ------
     SettingsError
-        If the estimator, the fallback or the prior is not known.
+        If the estimator, the fallback or the prior is not known, or the model is of another
+        estimator's kind.
     """
     settings = settings or Settings()
-    joint = model if isinstance(model, JointModel) else None
-    model = model if isinstance(model, ResponseModel) else dorf_model()
-    if estimator not in ESTIMATOR_NAMES:
-        raise SettingsError(f"no estimator {estimator!r}; known: {', '.join(ESTIMATOR_NAMES)}")
+    if estimator not in ESTIMATORS:
+        raise SettingsError(f"no estimator {estimator!r}; known: {', '.join(ESTIMATORS)}")
     if fallback not in FALLBACKS:
         raise SettingsError(f"no fallback {fallback!r}; known: {', '.join(FALLBACKS)}")
     if prior not in PRIORS:
         raise SettingsError(f"no prior {prior!r}; known: {', '.join(PRIORS)}")
+    is_joint = estimator in JOINT_NAMES
+    joint = _of_kind(JointModel, model if is_joint else None, estimator)
+    response = _of_kind(ResponseModel, None if is_joint else model, estimator) or dorf_model()
     if photo.scene_linear:
         return _already_linear(photo)
     if estimator in FIXED_CURVES:
-        return _fixed_curve(estimator, photo, model)
-    if estimator in ("auto", "joint"):
+        return _fixed_curve(estimator, photo, response)
+    if is_joint:
         joint = joint or shipped_joint()
         evidence = evidence or gather(photo, settings, joint.networks)
-        estimate = _joint(photo, estimator, prior, evidence, joint)
+        refuse = estimator == "auto" or fallback != "none"
+        estimate = _joint(photo, evidence, prior, joint, refuse=refuse)
     else:
-        answer = CUES[estimator](photo, model, settings)
-        estimate = _conclude(estimator, answer, photo, model, settings)
+        estimate = published_estimate(ESTIMATORS[estimator], photo, response, settings)
+        estimate = replace(estimate, assumptions=assumptions_of(photo))
     if estimate.outcome is Outcome.NOT_CALIBRATED and fallback != "none":
-        return _fall_back(estimate, fallback, photo, model)
+        return _fall_back(estimate, fallback, photo, response)
     return estimate
 
 
+def _of_kind(kind: type[_Model], model: object, estimator: str) -> _Model | None:
+    """The model, which must be of the kind that the estimator takes."""
+    if model is None or isinstance(model, kind):
+        return model
+    raise SettingsError(
+        f"the estimator {estimator!r} takes a {kind.__name__}, not a {type(model).__name__}"
+    )
+
+
 def _joint(
-    photo: Photo, estimator: str, prior: str, evidence: PhotoEvidence, model: JointModel
+    photo: Photo, evidence: PhotoEvidence, prior: str, model: JointModel, *, refuse: bool
 ) -> Estimate:
-    """Every cue of the photo against the prior."""
-    if not evidence.messages and estimator == "auto":
+    """Every cue of the photo against the prior; without evidence a refusal, or the prior's mean."""
+    if not evidence.messages and refuse:
         return Estimate(Outcome.NOT_CALIBRATED, "joint", evidence.lacking, evidence.remedy)
     estimate = conclude([evidence], prior, model)
     return replace(estimate, assumptions=(*assumptions_of(photo), SAME_CURVE))
-
-
-def _conclude(
-    name: str, answer: Answer, photo: Photo, model: ResponseModel, settings: Settings
-) -> Estimate:
-    """From a cue's answer to an estimate: weigh it against the prior, solve, and judge."""
-    if isinstance(answer, Lacking):
-        return Estimate(Outcome.NOT_CALIBRATED, name, answer.reason, answer.remedy)
-    if isinstance(answer, FittedCurve):
-        return Estimate(
-            Outcome.CALIBRATED,
-            name,
-            answer.summary,
-            found=model.inverse_crf(answer.samples),
-            confidence=fitted_confidence(name, answer.encoded, model),
-            assumptions=assumptions_of(photo),
-        )
-    objective = (
-        Weighted("empirical", 1.0, Empirical(model)),
-        Weighted("monotonicity", settings.monotonicity_weight, Monotonicity()),
-        *answer.terms,
-    )
-    solution = solve(model, objective, shared=settings.shared_curve)
-    return Estimate(
-        Outcome.CALIBRATED,
-        name,
-        answer.summary,
-        found=model.inverse_crf(model.samples(solution.coefficients)),
-        confidence=fitted_confidence(name, answer.encoded, model),
-        coefficients=solution.coefficients,
-        energy=dict(solution.energy),
-        faces=answer.faces,
-        assumptions=assumptions_of(photo),
-    )
 
 
 def _already_linear(photo: Photo) -> Estimate:
@@ -159,6 +140,7 @@ def _already_linear(photo: Photo) -> Estimate:
             np.ones((3, CURVE_SIZE)),
             Verdict.RELIABLE,
             ("linear by the file's format: nothing was estimated",),
+            InStops(np.zeros((3, 256)), 0.0, 0.0),
         ),
         assumptions=assumptions_of(photo),
     )
@@ -193,4 +175,5 @@ def assumptions_of(photo: Photo) -> tuple[str, ...]:
         primaries,
         "linear light is relative: exposure is known only up to one scale",
         "the camera applied one curve per channel, alike over the whole photo",
+        *(f"of the file: {note}" for note in photo.notes),
     )

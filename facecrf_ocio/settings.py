@@ -6,21 +6,6 @@ from dataclasses import dataclass, fields
 
 from facecrf_ocio.errors import SettingsError
 
-ESTIMATOR_NAMES = (
-    "auto",
-    "joint",
-    "face",
-    "face-unshaded",
-    "edge",
-    "geometry-invariant",
-    "intensity-similarity",
-    "rank",
-    "mean",
-    "srgb",
-    "gamma22",
-    "identity",
-)
-FALLBACKS = ("none", "mean", "srgb")
 PRIORS = ("auto", "dorf", "modern")
 VERDICTS = ("prior only", "weak", "reliable")
 

@@ -17,6 +17,10 @@ Float = npt.NDArray[np.floating[Any]]
 Bool = npt.NDArray[np.bool_]
 Index = npt.NDArray[np.intp]
 
+DIFFERS_SHARE = 0.95
+"""Share of the curves that a photo leaves possible to which the estimate is nearer than sRGB
+decoding, from which it is said to differ from sRGB."""
+
 CHANNELS = ("R", "G", "B")
 
 
@@ -118,6 +122,8 @@ class Photo:
         What the metadata tell of the camera.
     path, sha256
         Source file and the digest of its bytes; None for an array in memory.
+    notes
+        What reading mended, chosen or set aside, in clauses; empty for a file without a flaw.
     """
 
     encoded: npt.NDArray[np.float32]
@@ -129,6 +135,7 @@ class Photo:
     camera: Camera = field(default_factory=Camera)
     path: Path | None = None
     sha256: str | None = None
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         given = np.asarray(self.encoded)
@@ -344,11 +351,17 @@ class Confidence:
     coverage
         (3, K) share of the photo's evidence at or near each code, [0, 1].
     verdict
-        In one word.
+        In one word; of accuracy alone.
     reasons
-        In sentences.
+        What else there is to say of it, in sentences.
     in_stops
-        The same in stops; None where it is not known (records of older versions).
+        The band and the expected error in stops; None where they are not known (records of older
+        versions).
+    nearer_than_srgb
+        Share of the curves that the photo leaves possible to which the estimate is nearer than sRGB
+        decoding, in stops over codes 64 to 235; None where that was not asked.
+    outvoted
+        Cues, or photos, that contradict the other evidence and count less.
     """
 
     sigma: Float
@@ -356,6 +369,14 @@ class Confidence:
     verdict: Verdict
     reasons: tuple[str, ...]
     in_stops: InStops | None = None
+    nearer_than_srgb: float | None = None
+    outvoted: tuple[str, ...] = ()
+
+    @property
+    def differs_from_srgb(self) -> bool | None:
+        """Whether the curve is surely another than sRGB's; None where that was not asked."""
+        share = self.nearer_than_srgb
+        return None if share is None else share >= DIFFERS_SHARE
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -84,8 +84,11 @@ def matrix_profile(*xy: tuple[float, float], gamma: float = 2.2, version: int = 
     return header.ljust(128, b"\0") + content
 
 
-def write_dng(path: Path, mosaic: npt.NDArray[np.float64]) -> Path:
-    """The smallest DNG (1.4): one uncompressed RGGB mosaic, neutral white balance."""
+def write_dng(path: Path, mosaic: npt.NDArray[np.float64], **tags: tuple[int, ...]) -> Path:
+    """The smallest DNG (1.4): one uncompressed RGGB mosaic, neutral white balance.
+
+    More tags are shorts, by number: `t50714=(512,)` is its black level.
+    """
     height, width = mosaic.shape
     data = mosaic.astype("<u2").tobytes()
     xyz_to_camera = (3.2405, -1.5371, -0.4985, -0.9693, 1.876, 0.0416, 0.0556, -0.204, 1.0572)
@@ -117,6 +120,11 @@ def write_dng(path: Path, mosaic: npt.NDArray[np.float64]) -> Path:
         (50728, rational, 3, ratios(1, 1, 1)),
         (50778, short, 1, struct.pack("<H", 21)),
     ]
+    for name, shorts in tags.items():
+        packed = struct.pack(f"<{len(shorts)}H", *shorts)
+        entries = [entry for entry in entries if entry[0] != int(name[1:])]
+        entries.append((int(name[1:]), short, len(shorts), packed))
+    entries.sort()
     beyond = 8 + 2 + 12 * len(entries) + 4
     strip = beyond + sum(len(value) for *_, value in entries if len(value) > 4)
     table, values = struct.pack("<H", len(entries)), b""

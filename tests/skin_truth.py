@@ -10,8 +10,8 @@ import numpy as np
 
 from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.face.view import FaceView, cut_face
-from facecrf_ocio.published.energy.pigment import PigmentEvidence, SkinPigment
-from facecrf_ocio.published.face_estimator import AnalyzedFace, analyze_face, pigment_evidence
+from facecrf_ocio.published.energy.pigment import PigmentPairs, SkinPigment
+from facecrf_ocio.published.face_estimator import AnalyzedFace, analyze_face, pigment_pairs
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.synthetic import (
     SyntheticFace,
@@ -109,8 +109,8 @@ def pigment_energy(
 
 
 @cache
-def gathered(analyzed: AnalyzedFace, *, shaded: bool) -> PigmentEvidence:
-    return pigment_evidence(analyzed, shaded=shaded)
+def gathered(analyzed: AnalyzedFace, *, shaded: bool) -> PigmentPairs:
+    return pigment_pairs(analyzed, shaded=shaded)
 
 
 def unit(vectors: np.ndarray) -> np.ndarray:

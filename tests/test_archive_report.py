@@ -158,6 +158,9 @@ def test_curves_and_bands_are_those_of_the_sidecars(archive):
     assert np.abs(half - 1.645 * np.interp(codes, there, sigma)).max() <= 1 / 65535
     mean = 100 * 1.645 * np.mean(record.confidence.sigma)
     assert page.data["columns"]["band"][row] == pytest.approx(mean, abs=0.01)
+    expected = record.confidence.in_stops
+    assert page.data["columns"]["stops"][row] == pytest.approx(expected.mid, abs=0.001)
+    assert page.data["columns"]["shadows"][row] == pytest.approx(expected.shadows, abs=0.001)
 
 
 @pytest.mark.parametrize("name", ["film.jpg", "sub/n001.png", ODD])

@@ -31,8 +31,7 @@ from facecrf_ocio.benchmark.virtual_camera import (
     take_photo,
 )
 from facecrf_ocio.errors import PhotoError, SettingsError
-from facecrf_ocio.response.fixed import FIXED_CURVES
-from facecrf_ocio.settings import ESTIMATOR_NAMES
+from facecrf_ocio.estimators import ESTIMATOR_NAMES, FIXED_CURVES
 
 GRID = np.linspace(0.0, 1.0, 1024)
 GAMMA = np.array([GRID**2.2] * 3)

@@ -10,11 +10,12 @@ from skin_truth import SPECS
 
 from facecrf_ocio import Photo, calibrate, write_lut
 from facecrf_ocio.errors import NotCalibratedError, SettingsError
+from facecrf_ocio.estimators import ESTIMATOR_NAMES, FALLBACKS, FIXED_CURVES
 from facecrf_ocio.face.view import cut_face
 from facecrf_ocio.published.face_estimator import analyze_face
-from facecrf_ocio.response.fixed import FIXED_CURVES, fixed_curve
+from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import CURVE_SIZE, dorf_model
-from facecrf_ocio.settings import ESTIMATOR_NAMES, FALLBACKS, Settings
+from facecrf_ocio.settings import Settings
 from facecrf_ocio.synthetic import SyntheticSpec, gamma_curve, photograph, render_face
 from facecrf_ocio.values import Estimate, InverseCRF, Outcome, Primaries, Verdict
 
@@ -113,7 +114,7 @@ def test_a_shared_curve_is_one_curve(portrait, estimate):
     assert np.abs(apart[0] - apart[2]).max() > 1e-4
 
 
-def test_settings_reach_the_cue(portrait):
+def test_settings_reach_the_estimator(portrait):
     found = calibrate(portrait, estimator="face", settings=Settings(min_pairs=100_000))
     assert found.outcome is Outcome.NOT_CALIBRATED
 

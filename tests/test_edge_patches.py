@@ -14,7 +14,7 @@ from facecrf_ocio.published.edge_patches import (
     MIN_BLENDS,
     WINDOW,
     find_edge_patches,
-    gather_blends,
+    stack_blends,
 )
 from facecrf_ocio.published.edge_selection import CODE_BINS, select_patches
 
@@ -146,7 +146,7 @@ def test_a_photo_with_more_windows_than_the_limit_is_sampled_evenly(monkeypatch,
 
 
 def test_blends_are_gathered_patch_by_patch(patches):
-    blends = gather_blends(patches)
+    blends = stack_blends(patches)
     assert blends.regions.shape == (3, len(patches), 2)
     for n, patch in enumerate(patches):
         np.testing.assert_array_equal(blends.regions[:, n].T, patch.regions)

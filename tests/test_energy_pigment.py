@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from facecrf_ocio.published.energy.pigment import (
-    PigmentEvidence,
+    PigmentPairs,
     SkinPigment,
     balanced_ratio,
     singular_ratio,
@@ -35,14 +35,14 @@ def bent(exponent, bend, seed):
     return GRID**exponents + bend * GRID * (1.0 - GRID) ** 2 * GRID
 
 
-def evidence(seed, *, shaded, count=12):
+def some_pairs(seed, *, shaded, count=12):
     """Arbitrary pairs and an arbitrary linear map from log g to shading changes."""
     rng = np.random.default_rng(seed)
     near = rng.uniform(0.15, 0.85, (3, count, 1))
     encoded = np.concatenate([near, near + rng.uniform(-0.1, 0.1, near.shape)], axis=2)
     nodes = np.linspace(0.0, 1.0, 30)
     weights = rng.normal(0.0, 0.02, (3, count, 30)) if shaded else None
-    return PigmentEvidence(encoded, np.arange(count) < count // 2, nodes, weights)
+    return PigmentPairs(encoded, np.arange(count) < count // 2, nodes, weights)
 
 
 def single_pigment(seed, inverse, *, contrast=0.3):
@@ -55,7 +55,7 @@ def single_pigment(seed, inverse, *, contrast=0.3):
     )
     fine = np.linspace(0.0, 1.0, 20_001)
     linear = np.exp(np.stack([start, start + change], axis=2))
-    return PigmentEvidence(np.interp(linear, inverse(fine), fine), is_melanin, GRID, None)
+    return PigmentPairs(np.interp(linear, inverse(fine), fine), is_melanin, GRID, None)
 
 
 # --- the singular values ---
@@ -124,26 +124,26 @@ def test_the_balanced_ratio_ignores_the_scale_of_each_channel(seed, scales):
 
 def test_exact_columns_are_log_albedo_ratios():
     """log g(I_q) - log g(I_p) - (d_q - d_p), computed here from the curves directly."""
-    given_evidence, samples = evidence(3, shaded=True), bent(2.2, 0.1, 0)
+    given_pairs, samples = some_pairs(3, shaded=True), bent(2.2, 0.1, 0)
     log_g = [
-        np.log(np.interp(e, GRID, s)) for e, s in zip(given_evidence.encoded, samples, strict=True)
+        np.log(np.interp(e, GRID, s)) for e, s in zip(given_pairs.encoded, samples, strict=True)
     ]
-    nodes = [np.interp(given_evidence.nodes, GRID, s) for s in samples]
+    nodes = [np.interp(given_pairs.nodes, GRID, s) for s in samples]
     shading = [
-        w @ np.log(np.maximum(n, 1e-5)) for w, n in zip(given_evidence.shading, nodes, strict=True)
+        w @ np.log(np.maximum(n, 1e-5)) for w, n in zip(given_pairs.shading, nodes, strict=True)
     ]
     expected = np.stack([pair[:, 1] - pair[:, 0] for pair in log_g]) - shading
-    assert np.allclose(SkinPigment(given_evidence, SIZE).columns(samples), expected)
+    assert np.allclose(SkinPigment(given_pairs, SIZE).columns(samples), expected)
 
 
 def test_first_order_columns_are_eq_15():
     """log(g'(I) dI / g(I) - dD/D + 1), with forward differences."""
-    given_evidence = evidence(3, shaded=False)
+    given_pairs = some_pairs(3, shaded=False)
     exponents = np.array([[1.8], [2.2], [2.6]])
     fine = np.linspace(0.0, 1.0, 100_001)
-    near, far = given_evidence.encoded.transpose(2, 0, 1)
+    near, far = given_pairs.encoded.transpose(2, 0, 1)
     expected = np.log(exponents * (far - near) / near + 1.0)  # g'/g of a power is k / I
-    term = SkinPigment(given_evidence, fine.size, first_order=True)
+    term = SkinPigment(given_pairs, fine.size, first_order=True)
     assert np.allclose(term.columns(fine**exponents), expected, atol=2e-4)
 
 
@@ -164,11 +164,11 @@ def test_first_order_approaches_the_exact_columns_as_the_steps_shrink():
 @pytest.mark.parametrize("shaded", [True, False])
 @pytest.mark.parametrize("first_order", [True, False])
 def test_e_p_is_the_sum_of_both_pigments_ratios(shaded, first_order):
-    given_evidence, samples = evidence(5, shaded=shaded), bent(2.0, 0.2, 1)
-    term = SkinPigment(given_evidence, SIZE, first_order=first_order)
+    given_pairs, samples = some_pairs(5, shaded=shaded), bent(2.0, 0.2, 1)
+    term = SkinPigment(given_pairs, SIZE, first_order=first_order)
     columns = term.columns(samples)
     ratios = []
-    for chosen in (given_evidence.is_melanin, ~given_evidence.is_melanin):
+    for chosen in (given_pairs.is_melanin, ~given_pairs.is_melanin):
         singular = np.linalg.svd(columns[:, chosen], compute_uv=False)
         ratios.append(singular[1] / singular[0])
     assert term.value_and_gradient(samples)[0] == pytest.approx(sum(ratios))
@@ -179,7 +179,7 @@ def test_e_p_is_the_sum_of_both_pigments_ratios(shaded, first_order):
 @settings(max_examples=25)
 @given(samples=curves, seed=seeds)
 def test_the_gradient_agrees_with_differences(shaded, first_order, samples, seed):
-    term = SkinPigment(evidence(seed, shaded=shaded), SIZE, first_order=first_order)
+    term = SkinPigment(some_pairs(seed, shaded=shaded), SIZE, first_order=first_order)
     _, gradient = term.value_and_gradient(samples)
     rng = np.random.default_rng(seed)
     directions = rng.normal(size=(4, 3, SIZE)) * GRID  # relative to g(0) = 0: none below zero
@@ -197,7 +197,7 @@ def test_the_gradient_agrees_with_differences(shaded, first_order, samples, seed
 def test_curves_that_touch_zero_stay_finite():
     samples = np.maximum(GRID - 0.4, 0.0) * np.ones((3, 1))
     for first_order in (False, True):
-        term = SkinPigment(evidence(2, shaded=True), SIZE, first_order=first_order)
+        term = SkinPigment(some_pairs(2, shaded=True), SIZE, first_order=first_order)
         value, gradient = term.value_and_gradient(samples)
         assert np.isfinite(value)
         assert np.isfinite(gradient).all()
@@ -229,9 +229,9 @@ def test_they_have_energy_under_a_curve_of_another_shape(seed):
 @given(samples=curves, seed=seeds, k=st.floats(0.4, 2.5), shaded=st.booleans())
 def test_the_exponent_is_invisible_in_exact_mode(samples, seed, k, shaded):
     """g -> g^k multiplies every log by k; ratios of singular values do not move."""
-    pairs = evidence(seed, shaded=shaded)
+    pairs = some_pairs(seed, shaded=shaded)
     nodes = np.linspace(0.0, 1.0, 30)[1:]
-    snapped = PigmentEvidence(
+    snapped = PigmentPairs(
         np.rint(pairs.encoded * (SIZE - 1)) / (SIZE - 1),  # codes of the grid: no interpolation
         pairs.is_melanin,
         np.rint(nodes * (SIZE - 1)) / (SIZE - 1),
@@ -267,7 +267,7 @@ def test_first_order_breaks_the_tie_but_not_toward_the_truth(seed):
 def test_channel_gains_do_not_change_it_under_the_true_curve(gains, seed):
     """Property 1: factors on the linear channels drop out of log ratios."""
     pairs = single_pigment(seed, lambda e: e**2.2)
-    scaled = PigmentEvidence(
+    scaled = PigmentPairs(
         np.clip(pairs.encoded * gains[:, None, None] ** (1 / 2.2), 0, 1),
         pairs.is_melanin,
         pairs.nodes,

@@ -23,6 +23,7 @@ from facecrf_ocio.values import (
     Confidence,
     Estimate,
     Face,
+    InStops,
     InverseCRF,
     Outcome,
     Photo,
@@ -147,6 +148,40 @@ def smooth_estimate() -> Estimate:
     )
     linear = np.tile(codes**2.2 / (codes**2.2)[-1], (3, 1))
     return estimate(found=InverseCRF(codes, linear), confidence=confidence)
+
+
+def test_what_is_told_in_stops_comes_back(tmp_path: Path) -> None:
+    sigma = np.tile(np.abs(np.linspace(-0.4, 0.3, 256)), (3, 1))
+    known = smooth_estimate()
+    assert known.confidence is not None
+    told = replace(
+        known.confidence,
+        in_stops=InStops(sigma, 0.0842, 0.213),
+        nearer_than_srgb=0.97,
+        outvoted=("grain",),
+    )
+    path = tmp_path / "a.crf.json"
+    write_sidecar(path, photo(), replace(known, confidence=told), Settings())
+    back = read_sidecar(path).confidence
+    assert back is not None
+    assert back.in_stops is not None
+    assert (back.in_stops.mid, back.in_stops.shadows) == (0.0842, 0.213)
+    assert np.abs(back.in_stops.sigma - sigma).max() <= 1e-5
+    assert (back.nearer_than_srgb, back.outvoted) == (0.97, ("grain",))
+    assert json.loads(path.read_text("utf-8"))["confidence"]["differs_from_srgb"] is True
+
+
+def test_a_record_from_before_stops_were_told_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "a.crf.json"
+    write_sidecar(path, photo(), smooth_estimate(), Settings())
+    record = json.loads(path.read_text("utf-8"))
+    for name in ("expected_stops", "sigma_stops", "nearer_than_srgb", "differs_from_srgb"):
+        del record["confidence"][name]
+    del record["confidence"]["outvoted"]
+    path.write_text(json.dumps(record), "utf-8")
+    back = read_sidecar(path).confidence
+    assert back is not None
+    assert (back.in_stops, back.nearer_than_srgb, back.outvoted) == (None, None, ())
 
 
 @pytest.mark.parametrize("given_estimate", [estimate(), smooth_estimate()])

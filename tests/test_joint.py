@@ -22,7 +22,7 @@ from facecrf_ocio.joint import shipped_joint
 from facecrf_ocio.joint.messages import COMBINED
 from facecrf_ocio.joint.metadata import modern_leaning
 from facecrf_ocio.joint.statistics import CUES
-from facecrf_ocio.published.trust import demand
+from facecrf_ocio.record.demand import Demand, demand
 from facecrf_ocio.synthetic import SyntheticSpec, gamma_curve, photograph, render_face
 from facecrf_ocio.values import Camera, Primaries
 
@@ -152,10 +152,26 @@ def test_a_recent_profile_leans_as_a_named_camera_does(name, modern):
 
 def test_demands_are_met_or_refused(evidence):
     weak = conclude([])
-    assert demand(weak, "prior only") is weak
-    refused = demand(weak, "weak")
+    assert demand(weak, Demand("prior only")) is weak
+    refused = demand(weak, Demand("weak"))
     assert refused.outcome is Outcome.NOT_CALIBRATED
     assert "the estimate is prior only, and weak was asked for" in refused.reason
+
+
+def test_the_verdict_is_of_the_expected_error_alone_whatever_srgb_is(evidence):
+    found = conclude(evidence)
+    told = found.confidence
+    assert told.in_stops.sigma.shape == (3, 256)
+    reliable = told.in_stops.mid <= 0.1 and told.in_stops.shadows <= 0.25
+    assert (told.verdict is Verdict.RELIABLE) == reliable
+    assert told.differs_from_srgb == (told.nearer_than_srgb >= 0.95)
+    assert told.reasons == ()
+
+
+def test_more_evidence_leaves_less_error_to_expect(evidence):
+    alone, nothing = conclude(evidence[:1]).confidence, conclude([]).confidence
+    assert alone.in_stops.mid < nothing.in_stops.mid
+    assert alone.in_stops.shadows < nothing.in_stops.shadows
 
 
 def test_weights_stay_small():

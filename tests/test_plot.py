@@ -97,7 +97,7 @@ class TestFigures:
         srgb, curve = axes.get_lines()
         assert (srgb.get_label(), srgb.get_linestyle()) == ("sRGB", "--")
         assert np.interp(0.5, srgb.get_xdata(), srgb.get_ydata()) == pytest.approx(0.214, abs=1e-3)
-        assert curve.get_label() == "R = G = B ± 1 s.d."
+        assert curve.get_label() == "R = G = B, 90 % band"
         assert len(axes.collections) == 1
 
     def test_linear_photos_have_no_band(self, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -124,7 +124,7 @@ class TestFigures:
         panels = self.drawn(monkeypatch, photo, estimate)
         lines = panels["inverse camera response"].get_lines()
         labels = [line.get_label() for line in lines]
-        assert labels == ["sRGB", "R ± 1 s.d.", "G ± 1 s.d.", "B ± 1 s.d."]
+        assert labels == ["sRGB", "R, 90 % band", "G, 90 % band", "B, 90 % band"]
         pairs = panels["diffuse skin, single-pigment pairs"]
         assert [marks.get_label() for marks in pairs.collections] == [
             "melanin only (1)",

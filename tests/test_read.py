@@ -203,8 +203,17 @@ class TestChannels:
         with pytest.raises(PhotoError, match="is CIELab"):
             read_photo(tmp_path / "a.tif")
 
-    def test_the_first_image_of_several(self, tmp_path: Path) -> None:
-        first, second = Image.new("RGB", (3, 2), "red"), Image.new("RGB", (5, 4), "blue")
+    @pytest.mark.parametrize("largest", [0, 1, 2])
+    def test_the_largest_page_of_several(self, tmp_path: Path, largest: int) -> None:
+        pages = [Image.new("RGB", (3, 2), "red") for _ in range(3)]
+        pages[largest] = Image.new("RGB", (5, 4), "blue")
+        pages[0].save(tmp_path / "a.tif", save_all=True, append_images=pages[1:])
+        photo = read_photo(tmp_path / "a.tif")
+        assert np.array_equal(photo.encoded, np.tile([0, 0, 1], (4, 5, 1)))
+        assert f"page {largest + 1} of 3" in photo.notes[0]
+
+    def test_the_first_page_of_equals(self, tmp_path: Path) -> None:
+        first, second = Image.new("RGB", (3, 2), "red"), Image.new("RGB", (3, 2), "blue")
         first.save(tmp_path / "a.tif", save_all=True, append_images=[second])
         assert np.array_equal(read_photo(tmp_path / "a.tif").encoded, np.tile([1, 0, 0], (2, 3, 1)))
 

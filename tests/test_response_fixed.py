@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from facecrf_ocio.errors import SettingsError
-from facecrf_ocio.response.fixed import FIXED_CURVES, fixed_curve
+from facecrf_ocio.estimators import FIXED_CURVES
+from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import dorf_model
 
 ENCODED = np.linspace(0.0, 1.0, 256)

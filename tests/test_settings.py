@@ -7,9 +7,7 @@ from dataclasses import FrozenInstanceError, fields, replace
 import pytest
 
 from facecrf_ocio.errors import SettingsError
-from facecrf_ocio.published.registry import CUES
-from facecrf_ocio.response.fixed import FIXED_CURVES
-from facecrf_ocio.settings import ESTIMATOR_NAMES, FALLBACKS, Settings
+from facecrf_ocio.settings import Settings
 
 
 def test_defaults_are_the_paper_s_where_it_prints_them():
@@ -19,12 +17,6 @@ def test_defaults_are_the_paper_s_where_it_prints_them():
     assert (settings.value_low, settings.value_high) == (0.25, 0.75)
     assert (settings.gradient_low, settings.gradient_high) == (0.10, 0.95)
     assert not settings.shared_curve
-
-
-def test_the_names_of_estimators_are_those_that_exist():
-    assert {"auto", "joint", *CUES, *FIXED_CURVES} == set(ESTIMATOR_NAMES)
-    assert len(set(ESTIMATOR_NAMES)) == len(ESTIMATOR_NAMES)
-    assert set(FALLBACKS) - {"none"} <= set(FIXED_CURVES)
 
 
 @pytest.mark.parametrize(

@@ -9,13 +9,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from facecrf_ocio.errors import PhotoError, reason_of
-
-SUFFIXES = (
-    *(".jpg", ".jpeg", ".jpe", ".jp2", ".png", ".tif", ".tiff", ".webp", ".bmp", ".gif", ".heic"),
-    *(".heif", ".avif", ".exr", ".hdr", ".psd", ".tga", ".ppm", ".pgm", ".pnm", ".dng", ".nef"),
-    *(".cr2", ".cr3", ".arw", ".raf", ".orf", ".rw2", ".pef", ".srw"),
-)
-"""What is taken for a photo where the user does not say; anything else takes an include glob."""
+from facecrf_ocio.photo.suffixes import PHOTO_SUFFIXES
 
 
 def photos_under(
@@ -31,7 +25,8 @@ def photos_under(
     root
         The folder. Links to files are followed, links to folders are not.
     include, exclude
-        Globs on the path relative to `root` or on the name alone, without regard to case.
+        Globs on the path relative to `root` or on the name alone, without regard to case. Without
+        any to include, the files of `photo.suffixes.PHOTO_SUFFIXES` are.
 
     Raises
     ------
@@ -50,7 +45,7 @@ def photos_under(
             if include:
                 wanted = _matches(relative, include)
             else:
-                wanted = path.suffix.lower() in SUFFIXES and not name.startswith("._")
+                wanted = path.suffix.lower() in PHOTO_SUFFIXES and not name.startswith("._")
             if wanted and not _matches(relative, exclude) and _may_be_photo(path):
                 yield path
     yield from _places(unread, root)

@@ -11,8 +11,8 @@ from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.face.view import FaceView, cut_face
 from facecrf_ocio.published.energy.empirical import Empirical
 from facecrf_ocio.published.energy.monotonicity import Monotonicity
-from facecrf_ocio.published.energy.pigment import PigmentEvidence, PullBack, SkinPigment
-from facecrf_ocio.published.face_estimator import AnalyzedFace, analyze_face, pigment_evidence
+from facecrf_ocio.published.energy.pigment import PigmentPairs, PullBack, SkinPigment
+from facecrf_ocio.published.face_estimator import AnalyzedFace, analyze_face, pigment_pairs
 from facecrf_ocio.published.gradients import single_pigment_pairs
 from facecrf_ocio.published.solve import Weighted, solve
 from facecrf_ocio.response.model import ResponseModel
@@ -76,8 +76,8 @@ class Ablated:
 class KnownShading(SkinPigment):
     """E_p where the change of log shading within each pair is known instead of estimated."""
 
-    def __init__(self, evidence: PigmentEvidence, change: Float, size: int, balanced: bool) -> None:
-        super().__init__(evidence, size, balanced=balanced)
+    def __init__(self, pairs: PigmentPairs, change: Float, size: int, balanced: bool) -> None:
+        super().__init__(pairs, size, balanced=balanced)
         self._change = change
 
     def _log_ratios(self, samples: Float) -> tuple[Float, PullBack]:
@@ -162,8 +162,8 @@ def _term(
 ) -> SkinPigment:
     size, balanced = model.grid.size, settings.balance_channels
     if not ablation.shading:
-        return SkinPigment(pigment_evidence(analyzed, shaded=True), size, balanced=balanced)
+        return SkinPigment(pigment_pairs(analyzed, shaded=True), size, balanced=balanced)
     shading = onto(analyzed.view, known.log_shading)[analyzed.mask.skin].astype(np.float64)
     pairs = analyzed.gradients.pairs
     change = (shading[pairs[:, 1]] - shading[pairs[:, 0]]).T
-    return KnownShading(pigment_evidence(analyzed, shaded=False), change, size, balanced)
+    return KnownShading(pigment_pairs(analyzed, shaded=False), change, size, balanced)

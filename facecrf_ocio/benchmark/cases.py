@@ -16,9 +16,9 @@ from facecrf_ocio.benchmark.images import LinearImage
 from facecrf_ocio.benchmark.responses import Responses
 from facecrf_ocio.benchmark.virtual_camera import Encoding
 from facecrf_ocio.errors import SettingsError
+from facecrf_ocio.estimators import ESTIMATOR_NAMES, FIXED_CURVES
 from facecrf_ocio.files.versions import versions
-from facecrf_ocio.response.fixed import FIXED_CURVES
-from facecrf_ocio.settings import ESTIMATOR_NAMES, Settings
+from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Index
 
 HELD_OUT, PAPER = "held-out", "paper"
@@ -43,7 +43,7 @@ class Case:
     protocol
         `held-out` or `paper`.
     estimator
-        One of `settings.ESTIMATOR_NAMES`.
+        One of `ESTIMATOR_NAMES`.
     image
         Index into the plan's images.
     row

@@ -21,6 +21,7 @@ from facecrf_ocio.files.strict_json import dump
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude
 from facecrf_ocio.joint.evidence import COVERAGE_BINS, Observation, observe
 from facecrf_ocio.joint.statistics import CUES
+from facecrf_ocio.response.stops import NINETY_PERCENT
 from facecrf_ocio.values import Float
 
 ALL, ALONE, WITHOUT, TOGETHER = "all", "alone", "without", "together"
@@ -123,7 +124,7 @@ def _judge(
     if estimate.confidence is not None:
         of_code = estimate.confidence.sigma
         sigma = np.array([np.interp(grid, curve.encoded, s) for s in of_code])
-    inside = np.abs(off) <= 1.645 * sigma
+    inside = np.abs(off) <= NINETY_PERCENT * sigma
     return CueResult(*case, float(np.sqrt((off**2).mean())), float(inside[:, 1:-1].mean()))
 
 

@@ -14,7 +14,7 @@ from facecrf_ocio.face.view import cut_face
 from facecrf_ocio.published.energy.empirical import Empirical
 from facecrf_ocio.published.energy.monotonicity import Monotonicity
 from facecrf_ocio.published.energy.pigment import SkinPigment
-from facecrf_ocio.published.face_estimator import AnalyzedFace, analyze_face, pigment_evidence
+from facecrf_ocio.published.face_estimator import AnalyzedFace, analyze_face, pigment_pairs
 from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.synthetic import SyntheticFace, SyntheticSpec, encode, gamma_curve, render_face
@@ -136,9 +136,9 @@ def _profile(
         analyzed = _analyzed(photo, settings)
         if analyzed is None or len(set(analyzed.gradients.is_melanin.tolist())) < 2:
             continue
-        evidence = pigment_evidence(analyzed, shaded=True)
-        exact = SkinPigment(evidence, model.grid.size, balanced=settings.balance_channels)
-        first = SkinPigment(evidence, model.grid.size, first_order=True)
+        pairs = pigment_pairs(analyzed, shaded=True)
+        exact = SkinPigment(pairs, model.grid.size, balanced=settings.balance_channels)
+        first = SkinPigment(pairs, model.grid.size, first_order=True)
         pigment[:, column] = [exact.value_and_gradient(curve)[0] for curve in curves]
         printed[:, column] = [first.value_and_gradient(curve)[0] for curve in curves]
     total = settings.pigment_weight * pigment + prior[:, None]

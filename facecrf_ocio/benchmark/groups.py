@@ -11,7 +11,7 @@ import numpy as np
 from facecrf_ocio.benchmark.tables import Row, grouped, markdown_table, number, summarize
 from facecrf_ocio.benchmark.workbench import Result
 from facecrf_ocio.errors import PhotoError, reason_of
-from facecrf_ocio.response.fixed import FIXED_CURVES
+from facecrf_ocio.estimators import FIXED_CURVES
 
 PERCENTILES = (5, 10, 25, 50, 75, 90, 95, 99)
 _LEFT_OUT = frozenset(FIXED_CURVES) - {"mean", "srgb"}

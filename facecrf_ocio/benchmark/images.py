@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from facecrf_ocio.errors import PhotoError
-from facecrf_ocio.photo.raw import RAW_SUFFIXES
-from facecrf_ocio.photo.read import open_image, read_photo
+from facecrf_ocio.photo.picture import open_image
+from facecrf_ocio.photo.read import read_photo
+from facecrf_ocio.photo.suffixes import RAW_SUFFIXES
 from facecrf_ocio.values import Photo
 
 _SUFFIXES = frozenset({".exr", ".hdr", ".png", ".tif", ".tiff"}) | RAW_SUFFIXES

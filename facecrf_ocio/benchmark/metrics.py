@@ -11,6 +11,7 @@ from facecrf_ocio.response.stops import (
     CODES,
     MID_CODES,
     MID_GRAY,
+    NINETY_PERCENT,
     SHADOW_CODES,
     log_light,
     mean_over,
@@ -18,8 +19,6 @@ from facecrf_ocio.response.stops import (
     uniform,
 )
 from facecrf_ocio.values import Confidence, Float, InverseCRF
-
-NINETY_PERCENT = 1.645  # standard deviations on either side that hold 90 % of a Gaussian
 
 
 @dataclass(frozen=True, slots=True)

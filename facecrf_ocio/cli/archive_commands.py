@@ -180,6 +180,7 @@ def batch(
     recipe = Recipe(
         *(choices.estimator, choices.fallback, choices.prior, choices.min_confidence),
         *(choices.settings, formats, exr, pool),
+        max_error=choices.max_error,
     )
     job = Job(
         *(source, output, recipe, jobs or os.cpu_count() or 1, limits),

@@ -20,7 +20,8 @@ from facecrf_ocio.cli.terminal import (
     require_writable,
 )
 from facecrf_ocio.errors import SettingsError
-from facecrf_ocio.settings import ESTIMATOR_NAMES, PRIORS, Settings
+from facecrf_ocio.estimators import ESTIMATOR_NAMES
+from facecrf_ocio.settings import PRIORS, Settings
 
 if TYPE_CHECKING:
     from facecrf_ocio.benchmark.cases import Plan

@@ -37,7 +37,7 @@ from facecrf_ocio.lut.format_table import default_formats, format_names
 
 if TYPE_CHECKING:
     from facecrf_ocio.together import Together
-    from facecrf_ocio.values import Estimate
+    from facecrf_ocio.values import Estimate, Photo
 
 PLOT_SUFFIX = ".crf.png"
 """Not `.png`, which next to a PNG photo would be the photo itself."""
@@ -81,16 +81,16 @@ class _Calibration:
         """Calibrate one photo, tell of it, and return its exit code."""
         try:
             with status(message):
-                estimate, written = self._calibrate(path)
+                photo, estimate, written = self._calibrate(path)
         except (FaceCRFError, MemoryError) as error:
             code = complain(problem_of(error), exit_code_of(error))
             if self.as_json:
                 tell_json(path, code, outcome="error", reason=problem_of(error))
             return code
-        verbose = self.choices.verbose
-        return tell(path, estimate, written, as_json=self.as_json, verbose=verbose)
+        options = {"as_json": self.as_json, "verbose": self.choices.verbose}
+        return tell(path, estimate, written, notes=photo.notes, **options)
 
-    def _calibrate(self, path: Path) -> tuple[Estimate, tuple[Path, ...]]:
+    def _calibrate(self, path: Path) -> tuple[Photo, Estimate, tuple[Path, ...]]:
         from facecrf_ocio.files.atomic import require_free
         from facecrf_ocio.record.outputs import require_outputs_free, write_outputs
 
@@ -106,15 +106,16 @@ class _Calibration:
 
             photo, estimate = read_photo(path), self.together.estimate
         if estimate.found is None:
-            return estimate, ()
+            return photo, estimate, ()
         also = []
         if self.plot:
             from facecrf_ocio.plots.calibration_plot import plot_draft
 
             also.append(plot_draft(picture, photo, estimate, settings))
-        return estimate, write_outputs(
+        written = write_outputs(
             photo, estimate, settings, self.folder, self.formats, overwrite=overwrite, also=also
         )
+        return photo, estimate, written
 
 
 def _estimate_together(photos: tuple[Path, ...], choices: Choices) -> Together:

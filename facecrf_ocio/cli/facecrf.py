@@ -86,7 +86,7 @@ def linearize(
                     overwrite=chosen.overwrite,
                 ),
             )
-    return tell(photo, estimate, written, verbose=chosen.verbose)
+    return tell(photo, estimate, written, notes=source.notes, verbose=chosen.verbose)
 
 
 @main.command()

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from facecrf_ocio.settings import ESTIMATOR_NAMES, FALLBACKS, PRIORS, VERDICTS, Settings
+from facecrf_ocio.estimators import ESTIMATOR_NAMES, ESTIMATORS, FALLBACKS, JOINT_NAMES
+from facecrf_ocio.settings import PRIORS, VERDICTS, Settings
 
 if TYPE_CHECKING:
     from facecrf_ocio.together import Together
@@ -41,6 +42,9 @@ PHOTO_PATH = click.Path(readable=False, path_type=Path)
 TEXT_PATH = TextPath(readable=False, path_type=Path)
 
 
+_LISTED = "\b\n" + "\n".join(f"{row.name}: {row.does}" for row in ESTIMATORS.values()) + "\n\n"
+
+
 def estimation_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options that `Choices` holds."""
     options = (
@@ -50,7 +54,7 @@ def estimation_options(command: Callable[..., Any]) -> Callable[..., Any]:
             default="auto",
             show_default=True,
             metavar="NAME",
-            help=f"One of {', '.join(ESTIMATOR_NAMES)}.",
+            help=_LISTED,
         ),
         click.option(
             "--fallback",
@@ -73,10 +77,17 @@ def estimation_options(command: Callable[..., Any]) -> Callable[..., Any]:
             help="Write nothing where the verdict is below this (exit code 4).",
         ),
         click.option(
+            "--max-error",
+            type=click.FloatRange(0, min_open=True),
+            metavar="STOPS",
+            help="Write nothing where the expected error is above this, such as 0.1 (exit code 4).",
+        ),
+        click.option(
             "--per-channel/--shared",
             "per_channel",
-            default=True,
-            help="One curve for each channel (default) or one for all three.",
+            default=None,
+            help="One curve for each channel (default) or one for all three; "
+            f"{' and '.join(JOINT_NAMES)} always give one for all.",
         ),
         click.option("--overwrite", is_flag=True, help="Replace existing outputs."),
         click.option("-v", "--verbose", is_flag=True, help="Also tell what a curve rests on."),
@@ -94,19 +105,27 @@ class Choices:
     fallback: str
     prior: str
     min_confidence: str
-    per_channel: bool
+    max_error: float | None
+    per_channel: bool | None
     overwrite: bool
     verbose: bool = False
+
+    def __post_init__(self) -> None:
+        if self.per_channel and self.estimator in JOINT_NAMES:
+            raise click.UsageError(
+                f"--per-channel: the estimator {self.estimator} gives one curve for all channels; "
+                "leave it out, or choose another --estimator"
+            )
 
     @property
     def settings(self) -> Settings:
         """The default settings, changed as asked."""
-        return Settings(shared_curve=not self.per_channel)
+        return Settings(shared_curve=self.per_channel is False)
 
     def read_and_estimate(self, path: Path) -> tuple[Photo, Estimate]:
         """Read one photo and estimate its curve."""
         from facecrf_ocio import calibrate, read_photo
-        from facecrf_ocio.published.trust import demand
+        from facecrf_ocio.record.demand import Demand, demand
 
         photo = read_photo(path)
         estimate = calibrate(
@@ -116,18 +135,19 @@ class Choices:
             prior=self.prior,
             settings=self.settings,
         )
-        return photo, demand(estimate, self.min_confidence)
+        return photo, demand(estimate, Demand(self.min_confidence, self.max_error))
 
     def estimate_together(self, paths: tuple[Path, ...]) -> Together:
         """One curve from all photos, which one camera took."""
         from dataclasses import replace
 
         from facecrf_ocio import calibrate_together, read_photo
-        from facecrf_ocio.published.trust import demand
+        from facecrf_ocio.record.demand import Demand, demand
 
         photos = (read_photo(path) for path in paths)
         together = calibrate_together(photos, prior=self.prior, settings=self.settings)
-        return replace(together, estimate=demand(together.estimate, self.min_confidence))
+        least = Demand(self.min_confidence, self.max_error)
+        return replace(together, estimate=demand(together.estimate, least))
 
 
 def direction_options(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -109,6 +109,7 @@ def tell(
     estimate: Estimate,
     written: tuple[Path, ...],
     *,
+    notes: tuple[str, ...] = (),
     as_json: bool = False,
     verbose: bool = False,
 ) -> int:
@@ -117,7 +118,8 @@ def tell(
     from facecrf_ocio.wording.sentence import COMMAND_LINE, details, sentence
 
     expected = expectation(estimate)
-    verdict = None if estimate.confidence is None else str(estimate.confidence.verdict)
+    told = estimate.confidence
+    verdict = None if told is None else str(told.verdict)
     code = DONE
     if estimate.found is None:
         message = f"{path}: {estimate.outcome}: {sentence(estimate, COMMAND_LINE)}"
@@ -125,6 +127,8 @@ def tell(
     elif not as_json:
         outcome = f"{estimate.outcome} ({verdict})" if verdict else str(estimate.outcome)
         click.echo(one_line(f"{path}: {outcome}: {sentence(estimate, COMMAND_LINE)}"))
+        for note in notes:
+            click.echo(one_line(f"  note: {note}"))
         if verbose:
             for line in details(estimate):
                 click.echo(one_line(f"  {line}"))
@@ -141,8 +145,10 @@ def tell(
             summary=sentence(estimate),
             expected=None if expected is None else expected.record(),
             verdict=verdict,
+            differs_from_srgb=None if told is None else told.differs_from_srgb,
             energy=dict(estimate.energy),
             faces=len(estimate.faces),
+            notes=list(notes),
             files=[str(file) for file in written],
         )
     return code

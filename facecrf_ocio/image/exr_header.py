@@ -11,7 +11,7 @@ import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.files.plain_text import complaint, plain_text
-from facecrf_ocio.photo.read import open_image
+from facecrf_ocio.photo.picture import PhotoFile, open_picture
 from facecrf_ocio.values import Photo, Primaries
 
 # Color Interop Forum, recommendation 03; other primaries have no identifier.
@@ -78,14 +78,17 @@ def still_holds(attribute: str) -> bool:
 
 
 def _keep_metadata(path: Path, header: oiio.ImageSpec) -> None:
-    source = open_image(path)
-    if source is None:  # moved meanwhile, or camera raw: nothing to keep
+    try:
+        picture = open_picture(PhotoFile(path))
+    except OSError:  # moved meanwhile
+        return
+    if picture is None:  # camera raw: nothing to keep
         complaint(oiio.geterror)
         return
-    for item in source.spec().extra_attribs:
+    for item in picture.spec.extra_attribs:
         if still_holds(item.name):
             _copy_attribute(item, header)
-    source.close()
+    picture.close()
 
 
 def _copy_attribute(item: Any, header: oiio.ImageSpec) -> None:

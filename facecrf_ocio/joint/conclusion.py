@@ -14,8 +14,8 @@ from facecrf_ocio.joint.evidence import COVERAGE_BINS, PhotoEvidence
 from facecrf_ocio.joint.fuse import agreeing_shares, average, multiply
 from facecrf_ocio.joint.messages import COMBINED, Networks, load_networks
 from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior, load_prior
-from facecrf_ocio.response.fixed import fixed_curve
-from facecrf_ocio.response.model import dorf_model, inverse_crf, strictly_increasing
+from facecrf_ocio.joint.verdict import judge, verdict_of
+from facecrf_ocio.response.model import inverse_crf, strictly_increasing
 from facecrf_ocio.values import (
     CHANNELS,
     Confidence,
@@ -26,14 +26,9 @@ from facecrf_ocio.values import (
     Verdict,
 )
 
-# Share of the posterior's curves to which the estimate is nearer than sRGB decoding, and the
-# expected error, from which an estimate is called reliable.
-RELIABLE_SHARE = 0.95
-RELIABLE_ERROR = 0.045
 # Photos of one camera err alike in part (what a cue does not know of any photo): the correlation of
 # their errors, by which bands of several photos cover as they say.
 PHOTO_CORRELATION = 0.5
-_DRAWS = 512
 _NAMES = {COMBINED: "the combination of all cues"}
 
 
@@ -178,33 +173,13 @@ def _confidence(
     sigma = np.tile(model.band_scale * sigma, (len(CHANNELS), 1))
     if not telling:
         nothing = "nothing in the photo was used: this is the prior's mean and spread"
-        return Confidence(sigma, np.zeros_like(sigma), Verdict.PRIOR_ONLY, (nothing,))
+        in_stops, _ = judge(posterior, found, prior, model.band_scale)
+        nowhere = np.zeros_like(sigma)
+        return Confidence(sigma, nowhere, Verdict.PRIOR_ONLY, (nothing,), in_stops)
     centers = (np.arange(COVERAGE_BINS) + 0.5) / COVERAGE_BINS
     total = np.sum([e.coverage for e in telling], axis=0)
     coverage = np.array(
         [np.interp(found.encoded, centers, c / max(float(c.max()), 1e-12)) for c in total]
     )
-    error = float(np.sqrt((sigma[0] ** 2).mean()))
-    share = _share_nearer_than_srgb(posterior, found, model)
-    reliable = error <= RELIABLE_ERROR and share >= RELIABLE_SHARE and not outvoted
-    reasons = (
-        f"expected error {error:.3f}; nearer to the truth than sRGB decoding in "
-        f"{100.0 * share:.0f} % of the curves that the photo leaves possible",
-        *(f"{name} contradicts the other evidence and counts less" for name in outvoted),
-    )
-    verdict = Verdict.RELIABLE if reliable else Verdict.WEAK
-    return Confidence(sigma, coverage, verdict, reasons)
-
-
-def _share_nearer_than_srgb(posterior: Posterior, found: InverseCRF, model: JointModel) -> float:
-    """Share of curves drawn from the posterior to which the estimate is nearer than sRGB is."""
-    generator = np.random.default_rng(0)
-    spread = np.linalg.cholesky(posterior.covariance)
-    draws = generator.standard_normal((_DRAWS, posterior.mean.size)) @ spread.T
-    grid = model.prior.grid[::8]
-    curves = model.prior.samples(posterior.mean + model.band_scale * draws)[:, ::8]
-    estimate = np.interp(grid, found.encoded, found.linear[0])
-    srgb = fixed_curve("srgb", grid, dorf_model())
-    ours = ((curves - estimate) ** 2).mean(axis=1)
-    theirs = ((curves - srgb) ** 2).mean(axis=1)
-    return float((ours < theirs).mean())
+    in_stops, nearer = judge(posterior, found, prior, model.band_scale)
+    return Confidence(sigma, coverage, verdict_of(in_stops), (), in_stops, nearer, outvoted)

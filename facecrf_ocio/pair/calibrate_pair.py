@@ -11,7 +11,8 @@ from facecrf_ocio.pair.align import MIN_CORRELATION, Aligned, align
 from facecrf_ocio.pair.extrapolate import continued
 from facecrf_ocio.pair.fit_channel import ChannelFit, fit_channel
 from facecrf_ocio.pair.flat_pixels import Samples, choose_samples
-from facecrf_ocio.published.trust import prior_confidence
+from facecrf_ocio.response.expected_stops import expected_of_sigma
+from facecrf_ocio.response.fixed import prior_confidence
 from facecrf_ocio.response.model import CURVE_SIZE, ResponseModel, dorf_model, strictly_increasing
 from facecrf_ocio.values import (
     CHANNELS,
@@ -92,15 +93,16 @@ def calibrate_pair(
     if worst > MAX_RESIDUAL_CODES:
         raise _mismatch(linear, encoded, f"no curve joins them, it is {worst:.0f} codes of 255 off")
     matrix = np.array([fit.mixing for fit in fits])
+    found = InverseCRF(
+        np.linspace(0.0, 1.0, CURVE_SIZE), strictly_increasing([fit.linear for fit in fits])
+    )
     estimate = Estimate(
         Outcome.CALIBRATED,
         "pair",
         f"fitted to {sum(len(s.encoded) for s in samples)} samples of a linear picture, "
         f"residual R {red:.1f} G {green:.1f} B {blue:.1f} codes of 255",
-        found=InverseCRF(
-            np.linspace(0.0, 1.0, CURVE_SIZE), strictly_increasing([fit.linear for fit in fits])
-        ),
-        confidence=_confidence(samples, fits, model, worst),
+        found=found,
+        confidence=_confidence(samples, fits, model, found),
         assumptions=_assumptions(encoded, matrix),
     )
     return PairEstimate(estimate, matrix, (red, green, blue), aligned)
@@ -150,7 +152,7 @@ def _confidence(
     samples: tuple[Samples, Samples, Samples],
     fits: list[ChannelFit],
     model: ResponseModel,
-    worst: float,
+    found: InverseCRF,
 ) -> Confidence:
     """The spread of the residual where there are samples, that of the prior where there are none.
 
@@ -170,6 +172,7 @@ def _confidence(
     sigma[:, [0, -1]] = 0.0
     low = max(float(s.encoded.min()) for s in samples)
     high = min(float(s.encoded.max()) for s in samples)
+    worst = max(fit.residual_codes for fit in fits)
     reliable = worst <= RELIABLE_RESIDUAL_CODES and high - low >= RELIABLE_SPAN
     return Confidence(
         sigma,
@@ -180,6 +183,7 @@ def _confidence(
             f"the samples lie between the encoded values {low:.2f} and {high:.2f}; beyond them the "
             "curve keeps the shape of a typical one",
         ),
+        expected_of_sigma(found, sigma),
     )
 
 

@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import BinaryIO
 
 from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.photo.suffixes import HEAD, kind_of
 
 MAX_MEGAPIXELS = 150
 """[megapixel] Larger photos are refused: decoded, this many take 1.8 GB."""
 
 COPY_AGAIN = "copy it again from the camera or from a backup"
 
-_PNG = b"\x89PNG\r\n\x1a\n"
+_PNG_START = 8  # [byte] the signature, before its first chunk
 _CODESTREAM = b"\xff\x4f\xff\x51"  # JPEG 2000: start of codestream, then its sizes
 
 
@@ -84,13 +85,15 @@ def _check_claims(path: Path, file: BinaryIO) -> None:
     libpng writes lines of its own to stderr about damaged files, and OpenImageIO decodes GIF and
     JPEG 2000 when it opens them.
     """
-    head = file.read(1 << 16)
-    if head.startswith(_PNG):
-        file.seek(len(_PNG))
+    head = file.read(HEAD)
+    kind = kind_of(head)
+    name = "" if kind is None else kind.name
+    if name == "PNG":
+        file.seek(_PNG_START)
         _check_png(path, file)
-    elif head.startswith(b"GIF8"):
+    elif name == "GIF":
         check_size(path, *(int.from_bytes(head[at : at + 2], "little") for at in (6, 8)))
-    elif head[4:8] == b"jP  " or head.startswith(_CODESTREAM):
+    elif name == "JPEG 2000":
         start = max(head.find(_CODESTREAM), 0)
         check_size(path, *(int.from_bytes(head[start + at :][:4], "big") for at in (8, 12)))
 

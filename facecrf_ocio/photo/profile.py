@@ -12,6 +12,15 @@ from facecrf_ocio.color.adaptation import adapted, white_xyz
 from facecrf_ocio.color.primaries import D50, D65, name_primaries
 from facecrf_ocio.values import Float, Primaries
 
+_LARGEST_XY = 2.0
+"""[CIE xy] of primaries; the widest in use, of cameras, stay below 1.6."""
+
+_WHITE_XYZ = 0.05
+"""[XYZ, white's Y is 1] by which the colorants' sum may miss white; makers round to 0.005."""
+
+_SMALLEST_TRIANGLE = 1e-3
+"""[CIE xy squared] twice the area between primaries; that of Rec.709 is 0.22."""
+
 
 def primaries_from_icc(profile: bytes) -> Primaries | None:
     """Primaries of a matrix profile as they were before adaptation to the profile's D50.
@@ -26,22 +35,61 @@ def primaries_from_icc(profile: bytes) -> Primaries | None:
     Primaries or None
         None where the profile is damaged or has no RGB matrix (gray, CMYK, tables only).
     """
+    try:
+        return _primaries(profile)
+    except _UnusableError:
+        return None
+
+
+def profile_notes(profile: bytes) -> tuple[str, ...]:
+    """Why a file's profile is of no use and was set aside, in a clause; empty where it is sound."""
+    try:
+        _primaries(profile)
+    except _UnusableError as error:
+        return (f"its ICC profile was set aside: {error}",) if profile else ()
+    return ()
+
+
+class _UnusableError(Exception):
+    """A profile without sound primaries; says what is wrong with it."""
+
+
+def _primaries(profile: bytes) -> Primaries | None:
     # Not needed by those who want the primaries' numbers alone.
     from PIL import ImageCms  # noqa: PLC0415
 
     try:
         icc = ImageCms.ImageCmsProfile(BytesIO(profile)).profile
-    except (OSError, ImageCms.PyCMSError):
+        colorants = (icc.red_colorant, icc.green_colorant, icc.blue_colorant)
+        chad, white = icc.chromatic_adaptation, icc.media_white_point
+        space = icc.xcolor_space.strip()
+    except (OSError, ImageCms.PyCMSError, ValueError, OverflowError) as error:
+        raise _UnusableError("it is damaged") from error
+    if space != "RGB" or any(colorant is None for colorant in colorants):
         return None
-    colorants = (icc.red_colorant, icc.green_colorant, icc.blue_colorant)
-    if icc.xcolor_space.strip() != "RGB" or any(colorant is None for colorant in colorants):
+    d50 = np.array([colorant[0] for colorant in colorants if colorant is not None], float)
+    whites = [white_xyz(D50)] + ([] if white is None else [np.array(white[0], float)])
+    if not any(np.abs(d50.sum(axis=0) - one).max() < _WHITE_XYZ for one in whites):
+        raise _UnusableError("its primaries do not add up to white")
+    candidates = [_named(d50, matrix) for matrix in _adaptations(chad, white)]
+    sound = [found for found in candidates if found is not None]
+    if not sound:
+        raise _UnusableError("its matrix gives no primaries")
+    return next((found for found in sound if found.name != "custom"), sound[0])
+
+
+def _named(colorants: Float, matrix: Float) -> Primaries | None:
+    """The primaries before an adaptation; None where there are no three and a white."""
+    try:
+        xy = _unadapted(colorants, matrix)
+    except np.linalg.LinAlgError:
         return None
-    d50 = np.array([colorant[0] for colorant in colorants if colorant is not None])
-    candidates = [
-        name_primaries(_unadapted(d50, matrix), "ICC profile")
-        for matrix in _adaptations(icc.chromatic_adaptation, icc.media_white_point)
-    ]
-    return next((found for found in candidates if found.name != "custom"), candidates[0])
+    if not np.isfinite(xy).all() or np.abs(xy).max() > _LARGEST_XY:
+        return None
+    (x1, y1), (x2, y2) = xy[1] - xy[0], xy[2] - xy[0]
+    if abs(x1 * y2 - x2 * y1) < _SMALLEST_TRIANGLE:
+        return None
+    return name_primaries(xy, "ICC profile")
 
 
 def icc_is_linear(profile: bytes) -> bool | None:
@@ -83,11 +131,12 @@ def _adaptations(
     if chad is not None:
         return [np.array(chad[0], float).reshape(3, 3)]
     d50 = white_xyz(D50)
-    media = d50 if white is None else np.array(white[0], float)
+    media = d50 if white is None or min(white[0]) <= 0 else np.array(white[0], float)
     return [adapted(media, d50), adapted(white_xyz(D65), d50)]
 
 
 def _unadapted(colorants: Float, matrix: Float) -> Float:
     """(4, 2) xy of the three colorants (rows of XYZ) and of white before the adaptation."""
     xyz = np.linalg.solve(matrix, np.vstack([colorants, white_xyz(D50)]).T).T
-    return np.asarray(xyz[:, :2] / xyz.sum(axis=1, keepdims=True))
+    with np.errstate(divide="ignore", invalid="ignore"):  # of colorants that are none
+        return np.asarray(xyz[:, :2] / xyz.sum(axis=1, keepdims=True))

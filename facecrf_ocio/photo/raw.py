@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -14,15 +15,14 @@ import rawpy
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_size
+from facecrf_ocio.photo.pixels import Pixels, upright
+from facecrf_ocio.photo.suffixes import RAW_SUFFIXES
 
-_NAMES = """
-    3fr ari arw bay cr2 cr3 crw dcr dng erf fff gpr iiq k25 kdc mdc mef mos mrw nef nrw orf pef raf
-    raw rw2 rwl sr2 srf srw x3f
-"""
-RAW_SUFFIXES = frozenset(f".{name}" for name in _NAMES.split())
+# LibRaw's `flip` as EXIF's orientation: which way it is to be turned.
+_ORIENTATIONS = {3: 3, 5: 8, 6: 6}
 
 
-def is_raw(path: Path) -> bool:
+def libraw_takes(path: Path) -> bool:
     """Whether LibRaw takes the file for camera raw; reads the header only."""
     try:
         with rawpy.imread(str(path)):
@@ -49,27 +49,46 @@ def decode_raw(path: Path) -> npt.NDArray[np.uint16] | None:
     Raises
     ------
     PhotoError
-        If the file is camera raw, but damaged, or larger than `integrity.MAX_MEGAPIXELS`.
+        If the file is camera raw, but damaged, larger than `integrity.MAX_MEGAPIXELS`, or decoded
+        to zeros alone.
     """
     try:
         with _without_remarks(), rawpy.imread(str(path)) as raw:
-            check_size(path, raw.sizes.raw_width, raw.sizes.raw_height)
+            sizes = raw.sizes  # before LibRaw is told not to turn the picture
+            check_size(path, sizes.raw_width, sizes.raw_height)
             linear = raw.postprocess(
                 gamma=(1, 1),
                 no_auto_bright=True,
                 output_bps=16,
                 use_camera_wb=True,
                 output_color=rawpy.ColorSpace.sRGB,
+                user_flip=0,
             )
+            linear = upright(_cropped(linear, sizes), _ORIENTATIONS.get(sizes.flip, 1))
     except rawpy.LibRawFileUnsupportedError:
         return None
     except rawpy.LibRawError as error:
         # LibRaw gives up on a few bytes of anything before it asks whether they are camera raw.
-        if path.suffix.lower() not in RAW_SUFFIXES and not is_raw(path):
+        if path.suffix.lower() not in RAW_SUFFIXES and not libraw_takes(path):
             return None
         problem = f"is damaged or cut short camera raw ({plain_text(error)})"
         raise PhotoError(path, problem, COPY_AGAIN) from error
+    if not linear.any():
+        problem = "is camera raw of which LibRaw decodes zeros alone, such as a DNG of floats"
+        raise PhotoError(path, problem, "export a 16-bit TIFF from its raw converter")
     return np.asarray(linear, np.uint16)
+
+
+def _cropped(linear: Pixels, sizes: Any) -> Pixels:
+    """What the file says is the picture; LibRaw gives all that its sensor saw of it."""
+    if min(sizes.crop_width, sizes.crop_height) == 0 or linear.shape[:2] != (
+        sizes.iheight,
+        sizes.iwidth,
+    ):
+        return linear
+    left, top = sizes.crop_left_margin - sizes.left_margin, sizes.crop_top_margin - sizes.top_margin
+    crop = linear[max(top, 0) : top + sizes.crop_height, max(left, 0) : left + sizes.crop_width]
+    return crop if crop.shape[:2] == (sizes.crop_height, sizes.crop_width) else linear
 
 
 @contextmanager

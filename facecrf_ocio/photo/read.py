@@ -15,6 +15,13 @@ from facecrf_ocio.color.primaries import known_primaries, name_primaries
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import complaint, plain_text
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_file, check_size
+from facecrf_ocio.photo.picture import (
+    PhotoFile,
+    Picture,
+    open_image,
+    open_picture,
+    orientation_of,
+)
 from facecrf_ocio.photo.pixels import (
     Pixels,
     code_values,
@@ -23,16 +30,18 @@ from facecrf_ocio.photo.pixels import (
     unpremultiplied,
     upright,
 )
-from facecrf_ocio.photo.profile import icc_is_linear, primaries_from_icc
-from facecrf_ocio.photo.raw import RAW_SUFFIXES, decode_raw, is_raw
+from facecrf_ocio.photo.profile import icc_is_linear, primaries_from_icc, profile_notes
+from facecrf_ocio.photo.raw import decode_raw
 from facecrf_ocio.values import Camera, Photo, Primaries, frozen
 
 _BAND_ROWS = 256
+_EXPORT = "convert it to DNG, or export a 16-bit TIFF"
 _CONVERT = "convert it to JPEG, PNG, TIFF or EXR"
 _COPY_OR_CONVERT = f"if it should be one, {COPY_AGAIN}; else {_CONVERT}"
 _INTEGERS = {oiio.UINT8, oiio.INT8, oiio.UINT16, oiio.INT16, oiio.UINT32, oiio.INT32}
-# TIFF 6.0 and supplements: separated inks; CIELab, ICCLab, ITULab; the filter array of raw.
-_SEPARATED, _LAB, _FILTER_ARRAY = 5, (8, 9, 10), 32803
+# TIFF 6.0 and supplements: WhiteIsZero; separated inks; CIELab, ICCLab, ITULab.
+_PHOTOMETRIC = "tiff:PhotometricInterpretation"
+_WHITE_IS_ZERO, _SEPARATED, _LAB = 0, 5, (8, 9, 10)
 _ENCODED_SPACE = re.compile(r"srgb|g\d\d|gamma|log|pq|hlg|bt1886|itu709")
 _SPACE_PRIMARIES = {"p3d65": "Display P3", "rec2020": "Rec.2020", "adobergb": "Adobe RGB"}
 
@@ -40,8 +49,9 @@ _SPACE_PRIMARIES = {"p3d65": "Display P3", "rec2020": "Rec.2020", "adobergb": "A
 def read_photo(path: str | Path) -> Photo:
     """Read one photo: JPEG, PNG, TIFF, camera raw, EXR, and whatever else OpenImageIO reads.
 
-    The result is upright (EXIF orientation applied), with alpha kept aside. Of a file with
-    several images the first is read.
+    What a file is, its content says before its suffix. The result is upright (orientation of EXIF,
+    else of XMP, applied), with alpha kept aside. Of a TIFF with several pages the largest that is
+    no thumbnail is read, of any other file with several images the first.
 
     Parameters
     ----------
@@ -52,7 +62,8 @@ def read_photo(path: str | Path) -> Photo:
     -------
     Photo
         Integer files: code values divided by their maximum, as they stand in the file. Floating
-        point and camera raw: linear light, `scene_linear` set.
+        point and camera raw: linear light, `scene_linear` set. Its `notes` tell what was mended,
+        chosen, or set aside.
 
     Raises
     ------
@@ -62,40 +73,28 @@ def read_photo(path: str | Path) -> Photo:
     """
     path = Path(path)
     sha256 = check_file(path)
-    source = None if path.suffix.lower() in RAW_SUFFIXES else open_image(path)
-    if source is None or _is_raw_inside(path, source):
-        return _read_raw(path, sha256)
+    file = PhotoFile(path)
+    if file.is_raw:
+        return _read_raw(file, sha256, "is not camera raw that LibRaw knows", _EXPORT)
+    picture = open_picture(file)
+    if picture is None:
+        problem = _one_line(complaint(oiio.geterror), path)
+        problem = f"is not an image that can be read ({problem})"
+        return _read_raw(file, sha256, problem, _COPY_OR_CONVERT)
     try:
-        return _read_image(path, source, sha256)
+        return _read_image(file, picture, sha256)
     finally:
-        source.close()
+        picture.close()
 
 
-def open_image(path: Path) -> Any | None:
-    """Open a file with OpenImageIO, colors not multiplied by alpha; None if it cannot be."""
-    hints = oiio.ImageSpec()
-    hints.attribute("oiio:UnassociatedAlpha", 1)
-    return oiio.ImageInput.open(str(path), hints)
-
-
-def _is_raw_inside(path: Path, source: Any) -> bool:
-    """Whether a TIFF is camera raw under another name, of which only a thumbnail would be read."""
-    if source.format_name() != "tiff":
-        return False
-    photometric = source.spec().get_int_attribute("tiff:PhotometricInterpretation")
-    named_tiff = path.suffix.lower() in (".tif", ".tiff")
-    return (photometric == _FILTER_ARRAY or not named_tiff) and is_raw(path)
-
-
-def _read_raw(path: Path, sha256: str) -> Photo:
-    problem = _one_line(complaint(oiio.geterror), path)
-    linear = decode_raw(path)
-    if linear is None and path.suffix.lower() in RAW_SUFFIXES:
-        remedy = "convert it to DNG, or export a 16-bit TIFF"
-        raise PhotoError(path, "is not camera raw that LibRaw knows", remedy)
+def _read_raw(file: PhotoFile, sha256: str, problem: str, remedy: str) -> Photo:
+    """What LibRaw reads; the problem is told if it does not know the file."""
+    file.forget()
+    linear = decode_raw(file.path)
     if linear is None:
-        raise PhotoError(path, f"is not an image that can be read ({problem})", _COPY_OR_CONVERT)
-    header = open_image(path)
+        raise PhotoError(file.path, problem, remedy)
+    header = open_image(file.path)
+    complaint(oiio.geterror)
     encoded = code_values(linear, 16)
     encoded.flags.writeable = False  # or the photo would copy it
     return Photo(
@@ -103,26 +102,28 @@ def _read_raw(path: Path, sha256: str) -> Photo:
         scene_linear=True,
         primaries=known_primaries("Rec.709", "camera raw decoding"),
         camera=Camera() if header is None else _camera(header.spec()),
-        path=path,
+        path=file.path,
         sha256=sha256,
     )
 
 
-def _read_image(path: Path, source: Any, sha256: str) -> Photo:
-    spec, file_format = source.spec(), source.format_name()
+def _read_image(file: PhotoFile, picture: Picture, sha256: str) -> Photo:
+    path, source, spec = file.path, picture.source, picture.spec
+    file_format = source.format_name()
     check_size(path, spec.width, spec.height)
     _check_kind(path, spec, file_format)
     channels, transparency = color_channels(path, spec), alpha_channel(spec)
     icc = icc_profile(spec)
     scene_linear = _is_scene_linear(spec, icc)
     bits = spec.get_int_attribute("oiio:BitsPerSample", 8 * spec.format.size())
-    turn = spec.get_int_attribute("Orientation", 1)
+    turn = orientation_of(spec, file.xmp)
+    file.forget()
 
     alpha = None
     if turn == 1 and _is_plain_16_bits(spec, channels):
         encoded = _decode_by_bands(path, source, bits)
     else:
-        codes = _decode(path, source)
+        codes = _decode(path, picture)
         if transparency is not None:
             alpha = frozen(code_values(upright(codes[..., transparency], turn), bits), np.float32)
         # The largest arrays of all: each is let go when the next is there, and none is copied.
@@ -144,12 +145,13 @@ def _read_image(path: Path, source: Any, sha256: str) -> Photo:
         camera=_camera(spec),
         path=path,
         sha256=sha256,
+        notes=(*picture.notes, *profile_notes(icc)),
     )
 
 
 def _check_kind(path: Path, spec: Any, file_format: str) -> None:
     """Refuse what is no photograph in RGB or gray."""
-    photometric = spec.get_int_attribute("tiff:PhotometricInterpretation")
+    photometric = spec.get_int_attribute(_PHOTOMETRIC)
     spaces = [spec.get_string_attribute(f"{prefix}:ColorSpace") for prefix in ("jpeg", "tiff")]
     spaces.append(spec.get_string_attribute("psd:ColorMode"))
     if photometric == _SEPARATED or {"CMYK", "YCbCrK", "YCCK"} & set(spaces):
@@ -208,12 +210,14 @@ def _decode_by_bands(path: Path, source: Any, bits: int) -> npt.NDArray[np.float
     return encoded
 
 
-def _decode(path: Path, source: Any) -> Pixels:
+def _decode(path: Path, picture: Picture) -> Pixels:
     """(H, W, C) of all channels: uint8 or uint16 as in the file, else float32."""
-    spec = source.spec()
+    source, spec = picture.source, picture.spec
     kind = spec.format.basetype if spec.format.basetype in (oiio.UINT8, oiio.UINT16) else oiio.FLOAT
-    codes = source.read_image(0, 0, 0, spec.nchannels, kind)
+    codes = source.read_image(picture.page, 0, 0, spec.nchannels, kind)
     codes = _require_pixels(path, source, codes)
+    if kind == oiio.UINT16 and spec.get_int_attribute(_PHOTOMETRIC, -1) == _WHITE_IS_ZERO:
+        np.subtract(65535, codes, out=codes)  # OpenImageIO does so for 8 bits alone
     return codes.reshape(spec.height, spec.width, spec.nchannels)
 
 

@@ -18,8 +18,17 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from facecrf_ocio.face.view import cut_face
 from facecrf_ocio.files.atomic import Draft, write_files
 from facecrf_ocio.published.face_estimator import AnalyzedFace, analyze_face
+from facecrf_ocio.record.trust_words import trust_phrase
 from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import dorf_model
+from facecrf_ocio.response.stops import (
+    CODES,
+    MID_GRAY,
+    NINETY_PERCENT,
+    SHADOW_CODES,
+    log_light,
+    uniform,
+)
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import CHANNELS, Estimate, Float, Photo
 from facecrf_ocio.wording.sentence import sentence
@@ -30,6 +39,8 @@ MELANIN_COLOR = "#ffd800"
 HEMOGLOBIN_COLOR = "#e4002b"
 DIMMED = 0.35
 DOTS_PER_INCH = 150
+STOPS_SHOWN = 2.0
+"""[stop] Most curves lie within this of sRGB from code 16 on."""
 HUE_RANGE = 60.0
 """[degree] The histogram shows hues this far from the most frequent one."""
 
@@ -116,19 +127,22 @@ def blank(width: float, height: float) -> Figure:
 
 
 def _curves_only(estimate: Estimate) -> Figure:
-    figure = blank(6.0, 6.5)
-    _draw_curves(figure.subplots(), estimate)
+    figure = blank(6.0, 9.0)
+    axes = figure.subplot_mosaic([["curves"], ["stops"]], height_ratios=[2.4, 1.0])
+    _draw_curves(axes["curves"], estimate)
+    _draw_stops(axes["stops"], estimate)
     return figure
 
 
 def _with_face(estimate: Estimate, analyzed: AnalyzedFace, half_width: float) -> Figure:
-    figure = blank(14.0, 6.4)
+    figure = blank(14.0, 8.4)
     axes = figure.subplot_mosaic(
-        [["curves", "face", "pairs"], ["curves", "hues", "hues"]],
+        [["curves", "face", "pairs"], ["stops", "hues", "hues"]],
         width_ratios=[1.35, 1.0, 1.0],
-        height_ratios=[4.6, 1.0],
+        height_ratios=[2.4, 1.0],
     )
     _draw_curves(axes["curves"], estimate)
+    _draw_stops(axes["stops"], estimate)
     axes["face"].imshow(analyzed.view.encoded)
     axes["face"].set_title("face, as encoded")
     _draw_pairs(axes["pairs"], analyzed)
@@ -141,7 +155,8 @@ def _with_face(estimate: Estimate, analyzed: AnalyzedFace, half_width: float) ->
 def _draw_title(figure: Figure, photo: Photo, estimate: Estimate) -> None:
     name = "photo in memory" if photo.path is None else photo.path.name
     name = textwrap.shorten("".join(c if c.isprintable() else "?" for c in name), 60)
-    verdict = "" if estimate.confidence is None else f" ({estimate.confidence.verdict})"
+    told = estimate.confidence
+    verdict = "" if told is None else f" ({trust_phrase(told)})"
     # Half an inch takes about six letters of this size.
     width = int(figure.get_figwidth() * 12)
     reason = "\n".join(textwrap.wrap(f"{estimate.outcome}{verdict}: {sentence(estimate)}", width))
@@ -173,11 +188,32 @@ def _draw_curve(axes: Axes, estimate: Estimate, index: int, color: str, label: s
     encoded, linear = estimate.curve.encoded, estimate.curve.linear[index]
     confidence = estimate.confidence
     if confidence is not None and confidence.sigma[index].any():
-        sigma = confidence.sigma[index]
-        low, high = np.clip([linear - sigma, linear + sigma], 0.0, 1.0)
+        half = NINETY_PERCENT * confidence.sigma[index]
+        low, high = np.clip([linear - half, linear + half], 0.0, 1.0)
         axes.fill_between(encoded, low, high, color=color, alpha=0.12, linewidth=0)
-        label = f"{label} ± 1 s.d."
+        label = f"{label}, 90 % band"
     axes.plot(encoded, linear, color=color, linewidth=1.8, label=label)
+
+
+def _draw_stops(axes: Axes, estimate: Estimate) -> None:
+    """How many stops the curve lies above sRGB decoding, one factor taken out at mid-gray."""
+    srgb = log_light(fixed_curve("srgb", CODES / CODES[-1], dorf_model()))
+    above = log_light(uniform(estimate.curve)) - srgb
+    told = estimate.confidence
+    alike = bool((estimate.curve.linear == estimate.curve.linear[0]).all())
+    for index, channel in enumerate(CHANNELS[:1] if alike else CHANNELS):
+        color = BLACK if alike else INK[channel]
+        if told is not None and told.in_stops is not None:
+            half = NINETY_PERCENT * told.in_stops.sigma[index]
+            low, high = above[index] - half, above[index] + half
+            axes.fill_between(CODES, low, high, color=color, alpha=0.12, linewidth=0)
+        axes.plot(CODES, above[index], color=color, linewidth=1.8)
+    axes.axhline(0.0, color="0.45", linestyle="--", linewidth=1.2)
+    axes.axvline(MID_GRAY, color="0.8", linewidth=1.0)
+    axes.set(xlim=(SHADOW_CODES[0], CODES[-1]), ylim=(-STOPS_SHOWN, STOPS_SHOWN))
+    axes.set(xlabel="8-bit code", ylabel="stops above sRGB")
+    axes.set_title("in stops, equal at code 128; 90 % band", fontsize="medium")
+    axes.grid(color="0.9")
 
 
 def _draw_pairs(axes: Axes, analyzed: AnalyzedFace) -> None:

@@ -1,4 +1,4 @@
-"""What a cue may answer when it is shown a photo."""
+"""What a published estimator may answer when it is shown a photo."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from facecrf_ocio.values import Face, Float, Lacking, Photo
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Evidence:
+class EnergyTerms:
     """Terms of an objective over curves, still to be minimized together with the prior.
 
     Attributes
@@ -42,7 +42,7 @@ class FittedCurve:
     samples
         (3, K) on the response model's grid.
     encoded, summary
-        As in `Evidence`.
+        As in `EnergyTerms`.
     """
 
     samples: Float
@@ -50,5 +50,5 @@ class FittedCurve:
     summary: str
 
 
-Answer = Evidence | FittedCurve | Lacking
-Cue = Callable[[Photo, ResponseModel, Settings], Answer]
+Answer = EnergyTerms | FittedCurve | Lacking
+PublishedEstimator = Callable[[Photo, ResponseModel, Settings], Answer]

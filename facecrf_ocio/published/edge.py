@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from facecrf_ocio.published.answer import Answer, Evidence
-from facecrf_ocio.published.edge_patches import find_edge_patches, gather_blends, lacking_patches
+from facecrf_ocio.published.answer import Answer, EnergyTerms
+from facecrf_ocio.published.edge_patches import find_edge_patches, lacking_patches, stack_blends
 from facecrf_ocio.published.edge_selection import select_patches
 from facecrf_ocio.published.energy.color_blend import ColorBlend
 from facecrf_ocio.published.solve import Weighted
@@ -15,7 +15,7 @@ from facecrf_ocio.values import Photo
 BLEND_WEIGHT = 1e4
 
 
-def edge_cue(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:  # noqa: ARG001
+def edge_answer(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:  # noqa: ARG001
     """Color blends at the photo's edges as a likelihood of curves; the estimator `edge`.
 
     Parameters
@@ -31,8 +31,8 @@ def edge_cue(photo: Photo, model: ResponseModel, settings: Settings) -> Answer: 
     lacking = lacking_patches(photo, len(patches))
     if lacking is not None:
         return lacking
-    blends = gather_blends(select_patches(patches))
-    return Evidence(
+    blends = stack_blends(select_patches(patches))
+    return EnergyTerms(
         terms=(Weighted("color blend", BLEND_WEIGHT, ColorBlend(blends, model.grid.size)),),
         encoded=blends.blends.T,
         summary=f"{blends.regions.shape[1]} edge patches with {blends.patch.size} blended pixels",

@@ -102,7 +102,7 @@ def find_edge_patches(encoded: npt.NDArray[np.float32]) -> list[EdgePatch]:
     return _without_overlap(sorted(patches.values(), key=_quality, reverse=True))
 
 
-def gather_blends(patches: list[EdgePatch]) -> EdgeBlends:
+def stack_blends(patches: list[EdgePatch]) -> EdgeBlends:
     """Colors of all patches in the arrays that the energies take."""
     counts = [len(patch.blends) for patch in patches]
     return EdgeBlends(

@@ -1,9 +1,8 @@
-"""The face cue: from a photo to its single-pigment pairs, with or without shading (sec. 4-5)."""
+"""The paper's method: from a photo to its single-pigment pairs, shaded or not (sec. 4-5)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 import scipy
@@ -11,8 +10,8 @@ import scipy
 from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.face.skin_mask import SkinMask, find_skin
 from facecrf_ocio.face.view import MIN_SKIN_PIXELS, FaceView, count_faces, cut_face, lacking_faces
-from facecrf_ocio.published.answer import Answer, Cue, Evidence
-from facecrf_ocio.published.energy.pigment import PigmentEvidence, SkinPigment
+from facecrf_ocio.published.answer import Answer, EnergyTerms
+from facecrf_ocio.published.energy.pigment import PigmentPairs, SkinPigment
 from facecrf_ocio.published.gradients import single_pigment_pairs
 from facecrf_ocio.published.intrinsic import Decomposition, prepare_decomposition
 from facecrf_ocio.published.pigments import separate_pigments
@@ -45,12 +44,17 @@ class AnalyzedFace:
     gradients: PigmentGradients
 
 
-def face_cue(*, shaded: bool) -> Cue:
-    """The estimators `face` (shaded) and `face-unshaded` (`dD/D = 0`)."""
-    return partial(_gather, shaded=shaded)
+def face_answer(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
+    """Single-pigment changes of albedo, shading removed; the estimator `face`."""
+    return _answer(photo, model, settings, shaded=True)
 
 
-def _gather(photo: Photo, model: ResponseModel, settings: Settings, *, shaded: bool) -> Answer:
+def face_unshaded_answer(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
+    """The same without shading, `dD/D = 0`; the estimator `face-unshaded`."""
+    return _answer(photo, model, settings, shaded=False)
+
+
+def _answer(photo: Photo, model: ResponseModel, settings: Settings, *, shaded: bool) -> Answer:
     if photo.grayscale and photo.encoded.min() == photo.encoded.max():
         return Lacking("all pixels have one color", "use a photo with a face")
     if photo.grayscale:
@@ -63,8 +67,7 @@ def _gather(photo: Photo, model: ResponseModel, settings: Settings, *, shaded: b
         return lacking_faces(found, settings)
     analyzed = [analyze_face(cut_face(photo, face, settings), settings) for face in found.faces]
     usable = [face for face in analyzed if face is not None]
-    evidence = [pigment_evidence(face, shaded=shaded) for face in usable]
-    joined = _join(evidence)
+    joined = _join([pigment_pairs(face, shaded=shaded) for face in usable])
     counts = [int(joined.is_melanin.sum()), int((~joined.is_melanin).sum())] if joined else [0, 0]
     if joined is None or min(counts) < settings.min_pairs:
         return Lacking(
@@ -72,7 +75,7 @@ def _gather(photo: Photo, model: ResponseModel, settings: Settings, *, shaded: b
             f"{counts[1]} of hemoglobin, {settings.min_pairs} of each are needed)",
             "use a larger, evenly lit, unretouched face",
         )
-    return Evidence(
+    return EnergyTerms(
         terms=(
             Weighted(
                 "pigment",
@@ -105,21 +108,21 @@ def analyze_face(view: FaceView, settings: Settings) -> AnalyzedFace | None:
     return AnalyzedFace(view, mask, decomposition, pigments, gradients)
 
 
-def pigment_evidence(analyzed: AnalyzedFace, *, shaded: bool) -> PigmentEvidence:
+def pigment_pairs(analyzed: AnalyzedFace, *, shaded: bool) -> PigmentPairs:
     """Reduce a face to what E_p needs: its pairs, and their shading as a map of `log g`."""
     pixels = analyzed.view.encoded[analyzed.mask.skin].astype(np.float64)
     gradients = analyzed.gradients
     encoded = pixels[gradients.pairs].transpose(2, 0, 1)
     nodes = np.arange(0.0, 1.0 + NODE_SPACING / 2, NODE_SPACING)
     if not shaded:
-        return PigmentEvidence(encoded, gradients.is_melanin, nodes, None)
+        return PigmentPairs(encoded, gradients.is_melanin, nodes, None)
     weights = analyzed.decomposition.shading_change_weights(gradients.pairs)
     shading = np.stack([_onto_nodes(weights, pixels[:, c], nodes) for c in range(3)])
-    return PigmentEvidence(encoded, gradients.is_melanin, nodes, shading)
+    return PigmentPairs(encoded, gradients.is_melanin, nodes, shading)
 
 
 def _onto_nodes(weights: Float, encoded: Float, nodes: Float) -> Float:
-    """Gather weights (n, N) of pixels on the nodes around their encoded values, (N, J)."""
+    """Sum weights (n, N) of pixels on the nodes around their encoded values, (N, J)."""
     position = encoded / NODE_SPACING
     lower = np.clip(position.astype(np.intp), 0, nodes.size - 2)
     fraction = position - lower
@@ -134,14 +137,14 @@ def _onto_nodes(weights: Float, encoded: Float, nodes: Float) -> Float:
     return np.ascontiguousarray((interpolation @ weights).T)
 
 
-def _join(evidence: list[PigmentEvidence]) -> PigmentEvidence | None:
+def _join(faces: list[PigmentPairs]) -> PigmentPairs | None:
     """All faces together: one camera, and the same two pigments under the same light."""
-    if not evidence:
+    if not faces:
         return None
-    shading = [e.shading for e in evidence if e.shading is not None]
-    return PigmentEvidence(
-        np.concatenate([e.encoded for e in evidence], axis=1),
-        np.concatenate([e.is_melanin for e in evidence]),
-        evidence[0].nodes,
+    shading = [e.shading for e in faces if e.shading is not None]
+    return PigmentPairs(
+        np.concatenate([e.encoded for e in faces], axis=1),
+        np.concatenate([e.is_melanin for e in faces]),
+        faces[0].nodes,
         np.concatenate(shading, axis=1) if shading else None,
     )

@@ -80,7 +80,7 @@ class Levels:
     windows: Float
 
 
-def geometry_invariant_cue(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
+def geometry_invariant_answer(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
     """Find planar irradiance, read the invariant at each code, and integrate it to a curve."""
     rounding = 0.0 if photo.bit_depth is None else 12.0**-0.5 / (2**photo.bit_depth - 1)
     planes = np.ascontiguousarray(photo.encoded.transpose(2, 0, 1))

@@ -58,7 +58,7 @@ MIN_RANGE = 0.3
 SUMMARY_SIZE = 256
 
 
-def intensity_similarity_cue(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
+def intensity_similarity_answer(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
     """Measure the noise of uniform blocks at each level, and fit the curve that explains it."""
     step = 0.0 if photo.bit_depth is None else 1.0 / (2**photo.bit_depth - 1)
     blocks = uniform_blocks(photo.encoded)

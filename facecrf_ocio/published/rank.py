@@ -15,7 +15,7 @@ import numpy as np
 import scipy
 
 from facecrf_ocio.published.answer import Answer, FittedCurve
-from facecrf_ocio.published.edge_patches import find_edge_patches, gather_blends, lacking_patches
+from facecrf_ocio.published.edge_patches import find_edge_patches, lacking_patches, stack_blends
 from facecrf_ocio.published.edge_selection import select_patches
 from facecrf_ocio.published.energy.rank_blend import BlendRank
 from facecrf_ocio.published.energy.term import Term
@@ -30,7 +30,7 @@ MAX_ITERATIONS = 100
 TOLERANCE = 1e-7
 
 
-def rank_cue(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
+def rank_answer(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
     """Curves that bring the blends at the photo's edges nearest to rank 1; the estimator `rank`.
 
     Parameters
@@ -46,7 +46,7 @@ def rank_cue(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
     lacking = lacking_patches(photo, len(patches))
     if lacking is not None:
         return lacking
-    blends = gather_blends(select_patches(patches))
+    blends = stack_blends(select_patches(patches))
     term = BlendRank(blends, model.grid.size)
     return FittedCurve(
         fit_polynomials(term, model.grid, shared=settings.shared_curve),

@@ -1,67 +1,19 @@
-"""How far a curve may be trusted: bands, coverage by evidence, and a verdict in words."""
+"""How far the curve of a published estimator may be trusted: band, coverage and verdict."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from facecrf_ocio.estimators import Estimator
+from facecrf_ocio.response.expected_stops import prior_in_stops
+from facecrf_ocio.response.fixed import curve_deviation
 from facecrf_ocio.response.model import CURVE_SIZE, ResponseModel
-from facecrf_ocio.settings import VERDICTS
-from facecrf_ocio.values import CHANNELS, Confidence, Estimate, Float, Outcome, Verdict
+from facecrf_ocio.values import CHANNELS, Confidence, Float, Verdict
 
 COVERAGE_BINS = 64
 
-_FACE = (
-    "the exponent of the curve rests on the prior: the estimator does not see it",
-    "on test faces the estimator was seldom nearer to the truth than the mean curve",
-)
-_RIVAL = ("on test faces the estimator was two to three times as far off as the mean curve",)
-_PLANES = ("noisy test faces showed this estimator too little for a measurement of its error",)
-_NOISE = ("on test faces the estimator was as far off as the mean curve",)
-_REASONS = {
-    "face": _FACE,
-    "face-unshaded": _FACE,
-    "edge": _RIVAL,
-    "geometry-invariant": _PLANES,
-    "intensity-similarity": _NOISE,
-    "rank": _RIVAL,
-}
-# Mean error on the rendered development heads over that of the mean curve, where it is larger
-# than the prior's spread allows for.
-_BAND_SCALE = {"edge": 2.3, "rank": 3.3}
 
-
-def demand(estimate: Estimate, least: str) -> Estimate:
-    """The estimate, or a refusal where its verdict is below the least wanted.
-
-    Parameters
-    ----------
-    estimate
-        With or without a curve.
-    least
-        One of `settings.VERDICTS`.
-    """
-    if estimate.found is None or estimate.confidence is None:
-        return estimate
-    verdict = str(estimate.confidence.verdict)
-    if VERDICTS.index(verdict) >= VERDICTS.index(least):
-        return estimate
-    return Estimate(
-        Outcome.NOT_CALIBRATED,
-        estimate.estimator,
-        f"the estimate is {verdict}, and {least} was asked for "
-        f"({'; '.join(estimate.confidence.reasons)})",
-        "use a larger, unretouched face, several photos together, or ask for less",
-    )
-
-
-def prior_confidence(model: ResponseModel, reason: str) -> Confidence:
-    """Confidence of a curve that rests on no evidence: the prior's own spread."""
-    sigma = np.tile(_prior_sigma(model), (len(CHANNELS), 1))
-    coverage = np.zeros((len(CHANNELS), CURVE_SIZE))
-    return Confidence(sigma, coverage, Verdict.PRIOR_ONLY, (reason,))
-
-
-def fitted_confidence(estimator: str, encoded: Float, model: ResponseModel) -> Confidence:
+def fitted_confidence(estimator: Estimator, encoded: Float, model: ResponseModel) -> Confidence:
     """Confidence of a curve that an estimator fitted to evidence at encoded values (N, 3).
 
     The band is the prior's spread: on the rendered development heads, photographed through
@@ -72,21 +24,11 @@ def fitted_confidence(estimator: str, encoded: Float, model: ResponseModel) -> C
     """
     codes = np.linspace(0.0, 1.0, CURVE_SIZE)
     coverage = np.array([_coverage(values, codes) for values in encoded.T])
-    scale = _BAND_SCALE.get(estimator, 1.0)
-    sigma = np.tile(scale * _prior_sigma(model), (len(CHANNELS), 1))
+    sigma = np.tile(estimator.band_scale * curve_deviation(model), (len(CHANNELS), 1))
     low, high = np.quantile(encoded, [0.05, 0.95])
     span = f"the evidence lies between the encoded values {low:.2f} and {high:.2f}"
-    return Confidence(sigma, coverage, Verdict.WEAK, (span, *_REASONS[estimator]))
-
-
-def _prior_sigma(model: ResponseModel) -> Float:
-    """Standard deviation of the mixture's curves at each code, (4096,)."""
-    mixture = model.mixture
-    offset = mixture.means - mixture.means.mean(axis=0)
-    covariance = (mixture.covariances + offset[:, :, None] * offset[:, None, :]).mean(axis=0)
-    variance = np.einsum("mk,mn,nk->k", model.basis, covariance, model.basis)
-    codes = np.linspace(0.0, 1.0, CURVE_SIZE)
-    return np.asarray(np.interp(codes, model.grid, np.sqrt(np.maximum(variance, 0.0))))
+    in_stops = prior_in_stops(model, estimator.band_scale)
+    return Confidence(sigma, coverage, Verdict.WEAK, (span, *estimator.reasons), in_stops)
 
 
 def _coverage(values: Float, codes: Float) -> Float:

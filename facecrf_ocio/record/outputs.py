@@ -12,6 +12,7 @@ from facecrf_ocio.lut.format_table import default_formats
 from facecrf_ocio.lut.transform import Recipe
 from facecrf_ocio.lut.write import lut_draft, split_ending
 from facecrf_ocio.record.sidecar import SUFFIX, read_sidecar, sidecar_draft
+from facecrf_ocio.record.trust_words import trust_phrase
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Estimate, Photo
 
@@ -143,7 +144,7 @@ def _provenance(photo: Photo, estimate: Estimate) -> Mapping[str, str]:
         "Source": "" if photo.path is None else photo.path.name,
         "Source SHA-256": photo.sha256 or "",
         "Outcome": f"{estimate.outcome} ({estimate.estimator})",
-        "Confidence": "" if estimate.confidence is None else str(estimate.confidence.verdict),
+        "Confidence": "" if estimate.confidence is None else trust_phrase(estimate.confidence),
         "Primaries": "" if photo.primaries is None else photo.primaries.name,
         "Exposure": "relative, known up to one factor",
     }

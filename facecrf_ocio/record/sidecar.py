@@ -20,6 +20,7 @@ from facecrf_ocio.values import (
     Confidence,
     Estimate,
     Float,
+    InStops,
     InverseCRF,
     Outcome,
     Photo,
@@ -211,9 +212,15 @@ def _curve_record(curve: InverseCRF | None) -> dict[str, object] | None:
 def _confidence_record(confidence: Confidence | None) -> dict[str, object] | None:
     if confidence is None:
         return None
+    told = confidence.in_stops
     return {
         "verdict": confidence.verdict.value,
+        "expected_stops": None if told is None else {"64-235": told.mid, "16-64": told.shadows},
+        "differs_from_srgb": confidence.differs_from_srgb,
+        "nearer_than_srgb": confidence.nearer_than_srgb,
+        "outvoted": confidence.outvoted,
         "reasons": confidence.reasons,
+        "sigma_stops": None if told is None else thinned(told.sigma),
         "sigma": thinned(confidence.sigma),
         "coverage": thinned(confidence.coverage),
     }
@@ -281,7 +288,19 @@ def _read_confidence(record: dict[str, Any] | None) -> Confidence | None:
         coverage=frozen(read_rows(record["coverage"])),
         verdict=Verdict(record["verdict"]),
         reasons=tuple(record["reasons"]),
+        in_stops=_read_in_stops(record),
+        nearer_than_srgb=record.get("nearer_than_srgb"),
+        outvoted=tuple(record.get("outvoted", ())),
     )
+
+
+def _read_in_stops(record: dict[str, Any]) -> InStops | None:
+    """None in records that were written before stops were told."""
+    expected = record.get("expected_stops")
+    if expected is None:
+        return None
+    sigma = frozen(read_rows(record["sigma_stops"]))
+    return InStops(sigma, float(expected["64-235"]), float(expected["16-64"]))
 
 
 def _array(numbers: list[Any]) -> Float:

@@ -25,6 +25,8 @@ SHADOW_CODES = (16, 64)
 # Light is told apart down to so many stops below mid-gray: a 14-bit sensor's last count lies about
 # there. Darker light, zero among it, counts as this.
 DARKEST = -12.0
+# Standard deviations on either side that hold 90 % of a Gaussian.
+NINETY_PERCENT = 1.645
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 
-from facecrf_ocio.settings import ESTIMATOR_NAMES
+from facecrf_ocio.estimators import ESTIMATOR_NAMES
 
 VERDICTS = """\
 A verdict says how far a curve may be trusted.

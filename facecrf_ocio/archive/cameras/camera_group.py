@@ -16,6 +16,7 @@ from facecrf_ocio.archive.work.task import Shot
 from facecrf_ocio.joint import PhotoEvidence, conclude
 from facecrf_ocio.pair.code_samples import read_samples
 from facecrf_ocio.pair.debevec import BracketCurve, rmse_after_scale, solve_bracket
+from facecrf_ocio.response.expected_stops import expected_of_sigma
 from facecrf_ocio.values import Confidence, Estimate, Float, InverseCRF, Outcome, Verdict
 
 MOST = 100
@@ -113,7 +114,13 @@ def bracket_estimate(
         "debevec",
         f"a bracket of {len(members)} exposures over {solved.stops:.1f} stops",
         found=solved.found,
-        confidence=Confidence(solved.sigma, shown, Verdict.RELIABLE, tuple(reasons)),
+        confidence=Confidence(
+            solved.sigma,
+            shown,
+            Verdict.RELIABLE,
+            tuple(reasons),
+            expected_of_sigma(solved.found, solved.sigma),
+        ),
     )
 
 
@@ -133,7 +140,9 @@ def member_estimate(estimate: Estimate, evidence: PhotoEvidence) -> Estimate:
         outcome=Outcome.FROM_CAMERA,
         reason=f"{evidence.lacking}: {rest}",
         faces=faces,
-        confidence=Confidence(told.sigma, np.zeros_like(told.coverage), verdict, reasons),
+        confidence=replace(
+            told, coverage=np.zeros_like(told.coverage), verdict=verdict, reasons=reasons
+        ),
     )
 
 
@@ -142,10 +151,18 @@ def estimate_sha256(estimate: Estimate) -> str:
     digest = hashlib.sha256(estimate.reason.encode())
     told = estimate.confidence
     if told is not None:
-        digest.update(json.dumps([told.verdict.value, *told.reasons]).encode())
-    for array in (estimate.curve.linear, *(() if told is None else (told.sigma, told.coverage))):
+        said = [told.verdict.value, told.reasons, told.outvoted, told.nearer_than_srgb]
+        digest.update(json.dumps(said).encode())
+    for array in (estimate.curve.linear, *_arrays(told)):
         digest.update(np.ascontiguousarray(array, dtype=np.float64).tobytes())
     return digest.hexdigest()
+
+
+def _arrays(told: Confidence | None) -> tuple[Float, ...]:
+    if told is None:
+        return ()
+    in_stops = told.in_stops
+    return (told.sigma, told.coverage, *(() if in_stops is None else (in_stops.sigma,)))
 
 
 def curve_json(curve: InverseCRF | None, sigma: Float) -> str:
@@ -168,13 +185,9 @@ def _naming(estimate: Estimate, names: list[str]) -> Estimate:
     told = estimate.confidence
     if told is None:
         return estimate
-    reasons = []
-    for reason in told.reasons:
-        word, _, rest = reason.partition(" ")
-        number, _, verb = rest.partition(" ")
-        named = word == "photo" and number.isdigit()
-        reasons.append(f"{names[int(number) - 1]} {verb}" if named else reason)
-    return replace(estimate, confidence=replace(told, reasons=tuple(reasons)))
+    named = {f"photo {number}": name for number, name in enumerate(names, start=1)}
+    outvoted = tuple(named.get(one, one) for one in told.outvoted)
+    return replace(estimate, confidence=replace(told, outvoted=outvoted))
 
 
 @lru_cache(maxsize=1)

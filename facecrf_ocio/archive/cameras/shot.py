@@ -9,7 +9,7 @@ from typing import Any
 
 from facecrf_ocio.archive.work.task import Shot
 from facecrf_ocio.files.plain_text import plain_text
-from facecrf_ocio.photo.read import open_image
+from facecrf_ocio.photo.picture import PhotoFile, open_picture
 
 # EXIF 2.32, sec. 4.6.5, and Canon's maker notes: whatever changes the tone curve.
 _STYLE = (
@@ -26,11 +26,11 @@ _TIMES = (
 
 def read_shot(path: Path) -> Shot:
     """Read the EXIF tags of a file; what it does not tell, or tells as nonsense, is left out."""
-    source = open_image(path)
+    source = open_picture(PhotoFile(path))
     if source is None:
         return Shot()
     try:
-        spec = source.spec()
+        spec = source.spec
         said = ((name, spec.getattribute(name)) for name in _STYLE)
         style = "; ".join(
             f"{name}={plain_text(value)}" for name, value in said if value is not None

@@ -93,6 +93,7 @@ def _columns(
     seen = [pictures.get(row.name) for row in rows]
     places = iter(range(len(rows)))
     drawn = [None if item is None else item.curve for item in seen]
+    expected = [None if item is None else item.expected for item in seen]
     return {
         "name": [row.name for row in rows],
         "size": [max(row.size, 0) for row in rows],
@@ -116,6 +117,8 @@ def _columns(
         "picture": [-1 if item is None else next(places) for item in seen],
         "curve": [curves.place(curve) for curve in drawn],
         "band": [-1 if curve is None else curve.band for curve in drawn],
+        "stops": [-1 if told is None else round(told[0], 3) for told in expected],
+        "shadows": [-1 if told is None else round(told[1], 3) for told in expected],
     }
 
 

@@ -52,6 +52,8 @@ class Pictures:
         The curve, if there is one.
     faces
         Number of faces used.
+    expected
+        [stop] Expected error over codes 64 to 235, and in the shadows; None where it is not known.
     """
 
     before: str = ""
@@ -59,6 +61,7 @@ class Pictures:
     missing: str = ""
     curve: DrawnCurve | None = None
     faces: int = 0
+    expected: tuple[float, float] | None = None
 
 
 def pictures_of(archive: Archive, row: Row) -> Pictures:
@@ -70,9 +73,7 @@ def pictures_of(archive: Archive, row: Row) -> Pictures:
     if row.kind == "failed":
         return Pictures(missing=NOT_OPENED)
     sidecar, problem = _sidecar(archive.folder, row)
-    curve = None
-    if sidecar is not None and sidecar.curve is not None and sidecar.confidence is not None:
-        curve = drawn(sidecar.curve, sidecar.confidence.sigma)
+    curve, expected = _curve_of(sidecar)
     faces = 0 if sidecar is None else len(sidecar.faces)
     inverse = None if sidecar is None else sidecar.curve
     linear = row.outcome == str(Outcome.ALREADY_LINEAR)
@@ -80,12 +81,22 @@ def pictures_of(archive: Archive, row: Row) -> Pictures:
         _require_unchanged(archive.source, row)
         encoded = _read(_path(archive.source, row), linear=linear)
     except _MissingError as missing:
-        return Pictures(missing=str(missing), curve=curve, faces=faces)
+        return Pictures(missing=str(missing), curve=curve, faces=faces, expected=expected)
     light = encoded if linear else None
     if inverse is not None and light is None:
         light = curve_lookup(inverse).apply(_shrunk(encoded, 2 * SIDE))
     after = "" if light is None else _webp(encode_srgb(_shrunk(light, SIDE)).astype(np.float32))
-    return Pictures(after if linear else _webp(encoded), after, problem, curve, faces)
+    before = after if linear else _webp(encoded)
+    return Pictures(before, after, problem, curve, faces, expected)
+
+
+def _curve_of(sidecar: Sidecar | None) -> tuple[DrawnCurve | None, tuple[float, float] | None]:
+    """The curve with its band, and its expected errors in stops."""
+    if sidecar is None or sidecar.curve is None or sidecar.confidence is None:
+        return None, None
+    told = sidecar.confidence.in_stops
+    expected = None if told is None else (told.mid, told.shadows)
+    return drawn(sidecar.curve, sidecar.confidence.sigma), expected
 
 
 class _MissingError(Exception):

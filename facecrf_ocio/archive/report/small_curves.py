@@ -12,13 +12,11 @@ import numpy as np
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import dorf_model
+from facecrf_ocio.response.stops import NINETY_PERCENT
 from facecrf_ocio.values import CHANNELS, Float, InverseCRF
 
 SAMPLES = 33
 """Points of a drawn curve, at uniform code values."""
-
-NINETY_PERCENT = 1.645
-"""[standard deviation] Half the width of the band that holds 90 % of a normal distribution."""
 
 _FULL = 65535
 

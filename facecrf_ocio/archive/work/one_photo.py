@@ -24,7 +24,7 @@ from facecrf_ocio.image.linearize import write_linear
 from facecrf_ocio.joint import gather
 from facecrf_ocio.pair.code_samples import take_samples
 from facecrf_ocio.photo.read import read_photo
-from facecrf_ocio.published.trust import demand
+from facecrf_ocio.record.demand import Demand, demand
 from facecrf_ocio.record.outputs import write_outputs
 from facecrf_ocio.values import Estimate, Photo
 
@@ -85,7 +85,8 @@ def _gather(task: Task, photo: Photo) -> Result:
 
 
 def _estimate(task: Task, photo: Photo) -> tuple[Result, Estimate]:
-    estimate = demand(_found(task, photo), task.recipe.min_confidence)
+    least = Demand(task.recipe.min_confidence, task.recipe.max_error)
+    estimate = demand(_found(task, photo), least)
     result = Result(
         str(estimate.outcome),
         "" if estimate.confidence is None else str(estimate.confidence.verdict),

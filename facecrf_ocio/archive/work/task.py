@@ -30,6 +30,8 @@ class Recipe:
         Write a scene-linear OpenEXR too.
     pool
         One curve for all photos of a camera, estimator `auto` or `joint`.
+    max_error
+        [stop] Expected error above which a curve is not written; None for any.
     """
 
     estimator: str = "auto"
@@ -40,6 +42,7 @@ class Recipe:
     formats: tuple[str, ...] = field(default_factory=default_formats)
     exr: bool = False
     pool: bool = False
+    max_error: float | None = None
 
     def sha256(self, version: str) -> str:
         """Hash of everything a result depends on besides the photo, `version` included."""

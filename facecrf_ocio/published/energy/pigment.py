@@ -17,7 +17,7 @@ PullBack = Callable[[Float], Float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PigmentEvidence:
+class PigmentPairs:
     """What E_p needs of the photo: pairs of pixels, and shading as a linear map of `log g`.
 
     Attributes
@@ -44,7 +44,7 @@ class SkinPigment:
 
     Parameters
     ----------
-    evidence
+    pairs
         Pairs of one photo, all faces together.
     size
         Number of samples K of the curves that will be asked about.
@@ -59,18 +59,18 @@ class SkinPigment:
 
     def __init__(
         self,
-        evidence: PigmentEvidence,
+        pairs: PigmentPairs,
         size: int,
         *,
         first_order: bool = False,
         balanced: bool = False,
     ) -> None:
-        self._shading = evidence.shading
-        self._groups = (evidence.is_melanin, ~evidence.is_melanin)
-        self._pairs = Sampling.at(evidence.encoded, size)
-        self._near = Sampling.at(evidence.encoded[:, :, 0], size)
-        self._step = evidence.encoded[:, :, 1] - evidence.encoded[:, :, 0]
-        self._nodes = Sampling.at(np.tile(evidence.nodes, (3, 1)), size)
+        self._shading = pairs.shading
+        self._groups = (pairs.is_melanin, ~pairs.is_melanin)
+        self._pairs = Sampling.at(pairs.encoded, size)
+        self._near = Sampling.at(pairs.encoded[:, :, 0], size)
+        self._step = pairs.encoded[:, :, 1] - pairs.encoded[:, :, 0]
+        self._nodes = Sampling.at(np.tile(pairs.nodes, (3, 1)), size)
         self._formula = self._first_order if first_order else self._exact
         self._ratio = balanced_ratio if balanced else singular_ratio
 

@@ -40,7 +40,7 @@ function haystack(row) {
 const KEYS = {
   name: null, // rows come in this order
   kind: (row) => C.kind[row],
-  band: (row) => (C.band[row] < 0 ? null : C.band[row]),
+  stops: (row) => (C.stops[row] < 0 ? null : C.stops[row]),
   camera: (row) => cameraOf(row) || null,
   reason: (row) => word("reason", row) || null,
 };

@@ -30,6 +30,13 @@ function show(row) {
     why ? el("p", {class: "absent"}, why) : null,
     facts([
       ["Verdict", verdict(C.kind[row])],
+      [
+        "Expected error",
+        C.stops[row] < 0
+          ? ""
+          : `${C.stops[row].toFixed(2)} stops over codes 64 to 235, ` +
+            `${C.shadows[row].toFixed(2)} in the shadows`,
+      ],
       ["Outcome", word("outcome", row)],
       ["Estimator", word("estimator", row)],
       ["Reason", visible(word("reason", row))],

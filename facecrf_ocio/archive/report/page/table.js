@@ -4,7 +4,7 @@ const COLUMNS = [
   ["Photo", "name", ""],
   ["Verdict", "kind", ""],
   ["Curve", null, ""],
-  ["Band [%]", "band", "number"],
+  ["Expected error [stops]", "stops", "number"],
   ["Camera", "camera", ""],
   ["Reason", "reason", ""],
 ];
@@ -76,7 +76,7 @@ function reasonNodes(row) {
 }
 function tableRow(row, position) {
   const curve = C.curve[row];
-  const band = C.band[row];
+  const stops = C.stops[row];
   return el(
     "tr",
     {"aria-rowindex": position + 2},
@@ -93,7 +93,7 @@ function tableRow(row, position) {
     ),
     el("td", {}, verdict(C.kind[row])),
     el("td", {}, curve < 0 ? el("span", {class: "dim"}, "none") : plot(curve, 96, 72)),
-    el("td", {class: "number"}, band < 0 ? "–" : `± ${band.toFixed(1)}`),
+    el("td", {class: "number"}, stops < 0 ? "–" : stops.toFixed(2)),
     el("td", {class: "camera"}, cameraOf(row) || el("span", {class: "dim"}, "unknown")),
     el("td", {class: "reason"}, ...reasonNodes(row)),
   );

@@ -13,7 +13,7 @@ from facecrf_ocio.published.energy.log_slope import INTERVALS, log_slope_prior
 from facecrf_ocio.published.geometry_invariant import (
     Levels,
     curve_from_invariants,
-    geometry_invariant_cue,
+    geometry_invariant_answer,
     invariant_levels,
 )
 from facecrf_ocio.published.planar_points import PlanarPoints, planar_points
@@ -54,7 +54,7 @@ def scene():
 
 
 def estimate(photo, *, shared=False):
-    answer = geometry_invariant_cue(photo, MODEL, Settings(shared_curve=shared))
+    answer = geometry_invariant_answer(photo, MODEL, Settings(shared_curve=shared))
     assert isinstance(answer, FittedCurve), answer
     return answer
 
@@ -192,7 +192,7 @@ def test_levels_without_planes_are_left_to_the_response_model():
     ids=["flat", "one pixel", "black", "noise"],
 )
 def test_a_photo_without_ramps_is_lacking(encoded):
-    answer = geometry_invariant_cue(Photo(encoded=encoded.astype(np.float32)), MODEL, Settings())
+    answer = geometry_invariant_answer(Photo(encoded=encoded.astype(np.float32)), MODEL, Settings())
     assert isinstance(answer, Lacking)
     assert "brightness levels" in answer.reason
     assert "--fallback" in answer.remedy
@@ -200,5 +200,5 @@ def test_a_photo_without_ramps_is_lacking(encoded):
 
 def test_evidence_is_not_pieced_together_from_one_plane():
     encoded = np.repeat(ramp(64, 0.2, 0.4, 0.5)[..., None], 3, axis=2)
-    answer = geometry_invariant_cue(Photo(encoded=encoded.astype(np.float32)), MODEL, Settings())
+    answer = geometry_invariant_answer(Photo(encoded=encoded.astype(np.float32)), MODEL, Settings())
     assert isinstance(answer, Lacking)

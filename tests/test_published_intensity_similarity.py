@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from facecrf_ocio.published.answer import FittedCurve
 from facecrf_ocio.published.intensity_similarity import (
     BLOCK,
-    intensity_similarity_cue,
+    intensity_similarity_answer,
     noise_levels,
     uniform_blocks,
     without_rounding,
@@ -44,7 +44,7 @@ def scene():
 
 
 def estimate(photo, *, shared=False):
-    answer = intensity_similarity_cue(photo, MODEL, Settings(shared_curve=shared))
+    answer = intensity_similarity_answer(photo, MODEL, Settings(shared_curve=shared))
     assert isinstance(answer, FittedCurve), answer
     return answer
 
@@ -162,19 +162,21 @@ def textured(shape):
     ids=["flat", "one pixel", "white", "texture"],
 )
 def test_a_photo_without_noise_in_uniform_regions_is_lacking(encoded):
-    answer = intensity_similarity_cue(Photo(encoded=encoded.astype(np.float32)), MODEL, Settings())
+    answer = intensity_similarity_answer(
+        Photo(encoded=encoded.astype(np.float32)), MODEL, Settings()
+    )
     assert isinstance(answer, Lacking)
     assert "--fallback" in answer.remedy
 
 
 def test_noise_that_drowns_in_rounding_is_lacking():
     photo = photograph(noisy(patches(size=512), shot=1e-7, read=1e-9), MEAN, bits=8)
-    answer = intensity_similarity_cue(photo, MODEL, Settings())
+    answer = intensity_similarity_answer(photo, MODEL, Settings())
     assert isinstance(answer, Lacking)
     assert "brightness levels" in answer.reason
 
 
 def test_levels_within_a_narrow_range_are_lacking():
     photo = photograph(noisy(0.3 + 0.1 * patches(size=512)), GAMMA22, bits=16)
-    answer = intensity_similarity_cue(photo, MODEL, Settings())
+    answer = intensity_similarity_answer(photo, MODEL, Settings())
     assert isinstance(answer, Lacking)

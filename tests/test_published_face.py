@@ -22,9 +22,13 @@ from skin_truth import (
     unit,
 )
 
-from facecrf_ocio.published.answer import Evidence
+from facecrf_ocio.published.answer import EnergyTerms
 from facecrf_ocio.published.energy.pigment import SkinPigment
-from facecrf_ocio.published.face_estimator import face_cue, pigment_evidence
+from facecrf_ocio.published.face_estimator import (
+    face_answer,
+    face_unshaded_answer,
+    pigment_pairs,
+)
 from facecrf_ocio.response.model import dorf_model
 from facecrf_ocio.synthetic import Light, encode, gamma_curve, render_face
 from facecrf_ocio.values import Lacking, Photo
@@ -84,7 +88,7 @@ def test_normals_are_within_8_degrees_on_average(spec):
     assert np.quantile(angle, 0.95) < 20.0
 
 
-# --- the evidence ---
+# --- the pairs ---
 
 
 def bent_curves():
@@ -96,9 +100,9 @@ def test_shading_from_the_nodes_is_the_decomposition_of_log_g(bits):
     """8-bit codes are nodes, so it is exact there; between nodes `log g` is interpolated."""
     analyzed = see_with_true_geometry(render_face(SMALL), bits=bits).analyzed
     curves = bent_curves()
-    evidence = pigment_evidence(analyzed, shaded=True)
-    at_nodes = np.log(np.maximum([np.interp(evidence.nodes, GRID, c) for c in curves], 1e-5))
-    changes = (evidence.shading @ at_nodes[:, :, None])[:, :, 0]
+    pairs = pigment_pairs(analyzed, shaded=True)
+    at_nodes = np.log(np.maximum([np.interp(pairs.nodes, GRID, c) for c in curves], 1e-5))
+    changes = (pairs.shading @ at_nodes[:, :, None])[:, :, 0]
     pixels = analyzed.view.encoded[analyzed.mask.skin].astype(float)
     log_g = np.log([np.interp(pixels[:, c], GRID, curves[c]) for c in range(3)]).T
     shading = analyzed.decomposition.shading(log_g)
@@ -108,14 +112,14 @@ def test_shading_from_the_nodes_is_the_decomposition_of_log_g(bits):
     assert np.allclose(changes, (shading[q] - shading[p]).T, atol=tolerance)
 
 
-def test_evidence_holds_the_encoded_values_of_the_pairs(exact):
+def test_pairs_hold_the_encoded_values_of_the_pairs(exact):
     analyzed = exact.analyzed
-    evidence = pigment_evidence(analyzed, shaded=False)
+    pairs = pigment_pairs(analyzed, shaded=False)
     pixels = analyzed.view.encoded[analyzed.mask.skin]
     for end in (0, 1):
         expected = pixels[analyzed.gradients.pairs[:, end]].T
-        assert np.allclose(evidence.encoded[:, :, end], expected)
-    assert evidence.shading is None
+        assert np.allclose(pairs.encoded[:, :, end], expected)
+    assert pairs.shading is None
 
 
 def test_columns_under_the_true_curve_are_pigment_changes_where_geometry_is_true(exact):
@@ -124,7 +128,7 @@ def test_columns_under_the_true_curve_are_pigment_changes_where_geometry_is_true
     p, q = analyzed.gradients.pairs.T
     densities = np.stack([exact.at_skin(exact.melanin), exact.at_skin(exact.hemoglobin)], axis=1)
     true = (densities[q] - densities[p]) @ exact.truth.directions
-    unshaded = SkinPigment(pigment_evidence(analyzed, shaded=False), SIZE).columns(TRUE)
+    unshaded = SkinPigment(pigment_pairs(analyzed, shaded=False), SIZE).columns(TRUE)
     shading = np.log(exact.at_skin(exact.truth.shading))
     assert np.allclose(unshaded.T, true + shading[q] - shading[p], atol=2e-3)
 
@@ -216,7 +220,8 @@ def test_weak_highlights_change_little(highlight):
 
 
 def answer(encoded, *, shaded=True, settings=SETTINGS, **kind):
-    return face_cue(shaded=shaded)(Photo(encoded, **kind), dorf_model(), settings)
+    ask = face_answer if shaded else face_unshaded_answer
+    return ask(Photo(encoded, **kind), dorf_model(), settings)
 
 
 @pytest.fixture(scope="module")
@@ -225,10 +230,10 @@ def portrait():
 
 
 @pytest.mark.parametrize("shaded", [True, False])
-def test_a_portrait_gives_evidence(portrait, shaded):
+def test_a_portrait_gives_terms(portrait, shaded):
     found = answer(portrait, shaded=shaded)
     gradients = see(SPECS[1]).analyzed.gradients
-    assert isinstance(found, Evidence)
+    assert isinstance(found, EnergyTerms)
     assert [(t.name, t.weight) for t in found.terms] == [("pigment", SETTINGS.pigment_weight)]
     assert found.encoded.shape == (2 * len(gradients.pairs), 3)
     assert len(found.faces) == 1
@@ -245,7 +250,7 @@ def test_a_portrait_gives_evidence(portrait, shaded):
         ("gray portrait", {}, {}, "too few single-pigment changes"),
     ],
 )
-def test_photos_without_evidence_say_what_they_lack(portrait, photo, kind, settings, reason):
+def test_photos_without_terms_say_what_they_lack(portrait, photo, kind, settings, reason):
     images = {
         "portrait": portrait,
         "blank": np.full_like(portrait, 0.5),
@@ -271,7 +276,7 @@ def test_skin_without_marks_is_not_trusted():
     reason="the lower quantile shrinks with the noise, until a small error of the directions hides "
     "every pair of one pigment",
 )
-def test_finer_codes_give_no_less_evidence():
+def test_finer_codes_give_no_fewer_terms():
     truth = see(SPECS[0]).truth
-    assert isinstance(answer(encode(truth.linear, gamma_curve(2.2), bits=8)), Evidence)
-    assert isinstance(answer(encode(truth.linear, gamma_curve(2.2), bits=16)), Evidence)
+    assert isinstance(answer(encode(truth.linear, gamma_curve(2.2), bits=8)), EnergyTerms)
+    assert isinstance(answer(encode(truth.linear, gamma_curve(2.2), bits=16)), EnergyTerms)

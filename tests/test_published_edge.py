@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from facecrf_ocio.published import edge_patches
-from facecrf_ocio.published.answer import Evidence
-from facecrf_ocio.published.edge import edge_cue
-from facecrf_ocio.published.edge_patches import find_edge_patches, gather_blends
+from facecrf_ocio.published.answer import EnergyTerms
+from facecrf_ocio.published.edge import edge_answer
+from facecrf_ocio.published.edge_patches import find_edge_patches, stack_blends
 from facecrf_ocio.published.energy.color_blend import ColorBlend, EdgeBlends
 from facecrf_ocio.published.energy.empirical import Empirical
 from facecrf_ocio.published.energy.monotonicity import Monotonicity
@@ -26,8 +26,8 @@ seeds = st.integers(0, 10_000)
 
 def estimate(photo, *, shared=False):
     """Curves (3, K) of the cue and the prior, weighed and solved as a calibration does it."""
-    answer = edge_cue(photo, MODEL, SETTINGS)
-    assert isinstance(answer, Evidence)
+    answer = edge_answer(photo, MODEL, SETTINGS)
+    assert isinstance(answer, EnergyTerms)
     terms = (
         Weighted("empirical", 1.0, Empirical(MODEL)),
         Weighted("monotonicity", SETTINGS.monotonicity_weight, Monotonicity()),
@@ -82,7 +82,7 @@ def test_its_gradient_is_that_of_differences(seed):
 
 def test_the_true_curve_costs_nothing_and_every_other_exponent_does():
     linear, _ = linear_scene(rows=4, columns=6)
-    blends = gather_blends(find_edge_patches(photograph(linear, GAMMA22).encoded))
+    blends = stack_blends(find_edge_patches(photograph(linear, GAMMA22).encoded))
     energy = ColorBlend(blends, GRID.size)
     per_pixel = {
         exponent: energy.value_and_gradient(np.tile(GRID**exponent, (3, 1)))[0] / blends.patch.size
@@ -131,7 +131,7 @@ def test_one_shared_curve_can_be_asked_for():
 
 def test_the_evidence_is_where_the_blends_are():
     linear, _ = linear_scene(rows=4, columns=6)
-    answer = edge_cue(photograph(linear, MEAN), MODEL, SETTINGS)
+    answer = edge_answer(photograph(linear, MEAN), MODEL, SETTINGS)
     assert answer.encoded.shape[1] == 3
     assert "edge patches" in answer.summary
     assert answer.faces == ()
@@ -153,7 +153,7 @@ def test_the_evidence_is_where_the_blends_are():
     ],
 )
 def test_too_little_evidence_is_said_with_a_remedy(photo, reason):
-    answer = edge_cue(photo, MODEL, SETTINGS)
+    answer = edge_answer(photo, MODEL, SETTINGS)
     assert isinstance(answer, Lacking)
     assert reason in answer.reason
     assert answer.remedy

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from facecrf_ocio.published.answer import FittedCurve
-from facecrf_ocio.published.edge_patches import find_edge_patches, gather_blends
+from facecrf_ocio.published.edge_patches import find_edge_patches, stack_blends
 from facecrf_ocio.published.energy.color_blend import ColorBlend, EdgeBlends
 from facecrf_ocio.published.energy.rank_blend import BlendRank
-from facecrf_ocio.published.rank import DEGREE, fit_polynomials, polynomial_basis, rank_cue
+from facecrf_ocio.published.rank import DEGREE, fit_polynomials, polynomial_basis, rank_answer
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Lacking, Photo
 
@@ -82,7 +82,7 @@ def test_scale_does_not_change_the_rank_energy_but_it_does_change_the_distance(s
 
 def test_the_true_curve_has_rank_one_and_other_exponents_do_not():
     linear, _ = linear_scene(rows=4, columns=6)
-    blends = gather_blends(find_edge_patches(photograph(linear, GAMMA22).encoded))
+    blends = stack_blends(find_edge_patches(photograph(linear, GAMMA22).encoded))
     energy = BlendRank(blends, GRID.size, softness=0.0)
     assert energy.condition_numbers(GAMMA22).max() < 0.005
     for exponent in (1.6, 2.0, 2.4, 2.8):
@@ -129,14 +129,14 @@ def test_the_basis_goes_up_by_degree():
 def test_recovers_curves_from_exact_blends(truth, bits):
     linear, _ = linear_scene()
     assert (np.diff(truth) > 0.0).all()
-    answer = rank_cue(photograph(linear, truth, bits=bits), MODEL, SETTINGS)
+    answer = rank_answer(photograph(linear, truth, bits=bits), MODEL, SETTINGS)
     assert isinstance(answer, FittedCurve)
     assert rmse(answer.samples, truth).max() < 0.01
 
 
 def test_the_curves_run_from_0_to_1_on_the_models_grid():
     linear, _ = linear_scene(rows=3, columns=5)
-    answer = rank_cue(photograph(linear, MEAN), MODEL, SETTINGS)
+    answer = rank_answer(photograph(linear, MEAN), MODEL, SETTINGS)
     assert answer.samples.shape == (3, GRID.size)
     np.testing.assert_allclose(answer.samples[:, [0, -1]], np.tile([0.0, 1.0], (3, 1)), atol=1e-9)
     assert answer.encoded.shape[1] == 3
@@ -151,7 +151,7 @@ def test_the_curves_rise_even_where_the_blends_are_noise(seed):
 
 def test_one_shared_curve_can_be_asked_for():
     linear, _ = linear_scene(rows=5, columns=8)
-    answer = rank_cue(photograph(linear, GAMMA22), MODEL, Settings(shared_curve=True))
+    answer = rank_answer(photograph(linear, GAMMA22), MODEL, Settings(shared_curve=True))
     np.testing.assert_array_equal(answer.samples[0], answer.samples[2])
     assert rmse(answer.samples, GAMMA22).max() < 0.01
 
@@ -168,7 +168,7 @@ def test_one_shared_curve_can_be_asked_for():
     ],
 )
 def test_too_little_evidence_is_said_with_a_remedy(photo, reason):
-    answer = rank_cue(photo, MODEL, SETTINGS)
+    answer = rank_answer(photo, MODEL, SETTINGS)
     assert isinstance(answer, Lacking)
     assert reason in answer.reason
     assert answer.remedy

@@ -1,0 +1,57 @@
+"""What the posterior says of its own error, and the verdict that follows from it.
+
+The verdict speaks of accuracy alone: a curve near sRGB's can be reliable. Whether it differs from
+sRGB is a statement of its own, `Confidence.differs_from_srgb`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from facecrf_ocio.joint.prior import FamilyPrior, Posterior
+from facecrf_ocio.response.expected_stops import expected_of_draws, rising, share_nearer
+from facecrf_ocio.response.fixed import fixed_curve
+from facecrf_ocio.response.model import dorf_model
+from facecrf_ocio.values import Float, InStops, InverseCRF, Verdict
+
+# [stop] Expected errors up to which an estimate is called reliable: a tenth of a stop is what a
+# colorist sees side by side; a quarter is little in the shadows, where sRGB decoding is off by one.
+RELIABLE_MID = 0.1
+RELIABLE_SHADOWS = 0.25
+_DRAWS = 512  # quantiles of so many vary by 2 %
+
+
+def verdict_of(expected: InStops) -> Verdict:
+    """`reliable` or `weak`."""
+    reliable = expected.mid <= RELIABLE_MID and expected.shadows <= RELIABLE_SHADOWS
+    return Verdict.RELIABLE if reliable else Verdict.WEAK
+
+
+def judge(
+    posterior: Posterior, found: InverseCRF, prior: FamilyPrior, band_scale: float
+) -> tuple[InStops, float]:
+    """The expected error, and the share of possible curves that `found` is nearer to than sRGB.
+
+    Parameters
+    ----------
+    posterior
+        Over the prior's coefficients.
+    found
+        The curve of its mean.
+    prior
+        What coefficients mean.
+    band_scale
+        How much too narrow the posterior is.
+    """
+    draws = rising(_draws(posterior, prior, band_scale))
+    estimate = found.linear[0]
+    srgb = fixed_curve("srgb", found.encoded, dorf_model())
+    return expected_of_draws(estimate, draws), share_nearer(estimate, srgb, draws)
+
+
+def _draws(posterior: Posterior, prior: FamilyPrior, band_scale: float) -> Float:
+    """(512, K) curves; the same for the same posterior."""
+    generator = np.random.default_rng(0)
+    root = np.linalg.cholesky(posterior.covariance)
+    steps = generator.standard_normal((_DRAWS, posterior.mean.size)) @ root.T
+    return prior.samples(posterior.mean + band_scale * steps)

@@ -1,0 +1,122 @@
+"""The parts of a JPEG file: what stands before its pixels, where they end, and what follows.
+
+Decoders take the pictures that phones append for pixels of their own, or refuse a file for bytes
+that no pixel depends on; so a file is taken apart first (ITU-T T.81, annex B).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+_START, _END, _SCAN = 0xD8, 0xD9, 0xDA
+_ALONE = frozenset((0x01, *range(0xD0, 0xD8)))  # markers without a length (T.81, table B.1)
+_APP = range(0xE0, 0xF0)
+_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
+_LEAD = 1 << 10  # [byte] looked through for the start of a picture
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JpegParts:
+    """A JPEG file, taken apart.
+
+    Attributes
+    ----------
+    picture
+        The bytes of its first picture alone, without stray ones, and with an end.
+    segments
+        (marker, content) of its application segments, in their order.
+    size
+        (width, height) [px]; (0, 0) where the file does not come so far.
+    rest
+        What follows the picture.
+    stray
+        Bytes between segments, or before the first, that belong to none.
+    ended
+        Whether the file has the mark that ends the picture.
+    """
+
+    picture: bytes
+    segments: tuple[tuple[int, bytes], ...]
+    size: tuple[int, int]
+    rest: bytes
+    stray: int
+    ended: bool
+
+    def contents(self, marker: int, signature: bytes) -> list[bytes]:
+        """What segments of this marker hold after their signature."""
+        return [
+            content[len(signature) :]
+            for kind, content in self.segments
+            if kind == marker and content.startswith(signature)
+        ]
+
+
+def take_apart(content: bytes) -> JpegParts | None:
+    """Take a JPEG file apart; None where no picture starts in its first bytes."""
+    start = content.find(b"\xff\xd8\xff", 0, _LEAD)
+    if start < 0:
+        return None
+    walk = _Walk(content, start + 2, stray=start)
+    while not walk.done:
+        walk.step()
+    picture = b"".join((b"\xff\xd8", *walk.kept, b"" if walk.ended else b"\xff\xd9"))
+    return JpegParts(
+        picture, tuple(walk.segments), walk.size, content[walk.at :], walk.stray, walk.ended
+    )
+
+
+def _markers(content: bytes) -> npt.NDArray[np.intp]:
+    """Where markers that end a scan may be: in one, FF 00 is a byte, and FF D0 to D7 restart it."""
+    codes = np.frombuffer(content, np.uint8)
+    ends = np.ones(256, bool)
+    ends[[0x00, 0xFF, *range(0xD0, 0xD8)]] = False
+    return np.flatnonzero((codes[:-1] == 0xFF) & ends[codes[1:]])
+
+
+class _Walk:
+    """From segment to segment; `kept` holds the bytes of each, marker included."""
+
+    def __init__(self, content: bytes, at: int, stray: int) -> None:
+        self.content, self.at, self.stray = content, at, stray
+        self.markers = _markers(content)
+        self.kept: list[bytes] = []
+        self.segments: list[tuple[int, bytes]] = []
+        self.size = (0, 0)
+        self.done = self.ended = False
+
+    def step(self) -> None:
+        """Take the next segment, and the scan that may follow it."""
+        mark = self._next_marker()
+        if mark == len(self.content):
+            self.done, self.at = True, mark
+            return
+        between = self.content[self.at : mark].rstrip(b"\xff")  # FF may fill (T.81, B.1.1.2)
+        self.stray += len(between)
+        marker, begin = self.content[mark + 1], mark + 2
+        self.at = begin
+        if marker == _END:
+            self.done = self.ended = True
+            self.kept.append(b"\xff\xd9")
+        elif marker == _START or marker in _ALONE:
+            self.stray += 2
+        else:
+            self._segment(marker, begin)
+
+    def _next_marker(self) -> int:
+        found = int(np.searchsorted(self.markers, self.at))
+        return int(self.markers[found]) if found < self.markers.size else len(self.content)
+
+    def _segment(self, marker: int, begin: int) -> None:
+        length = int.from_bytes(self.content[begin : begin + 2], "big")
+        self.at = begin + max(length, 2)
+        body = self.content[begin + 2 : self.at]
+        if marker in _APP:
+            self.segments.append((marker, body))
+        elif marker in _FRAMES and self.size == (0, 0):
+            self.size = int.from_bytes(body[3:5], "big"), int.from_bytes(body[1:3], "big")
+        if marker == _SCAN:
+            self.at = self._next_marker()
+        self.kept.append(bytes((0xFF, marker)) + self.content[begin : self.at])

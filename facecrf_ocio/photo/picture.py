@@ -1,0 +1,165 @@
+"""The picture of a file, opened with OpenImageIO: of several the photo, of a JPEG what is sound."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import OpenImageIO as oiio  # noqa: N813
+
+from facecrf_ocio.files.plain_text import complaint
+from facecrf_ocio.photo.jpeg_segments import JpegParts, take_apart
+from facecrf_ocio.photo.raw import libraw_takes
+from facecrf_ocio.photo.suffixes import HEAD, RAW, Kind, kind_named, kind_of
+from facecrf_ocio.photo.tiff_pages import Page, holds_raw, photo_page
+from facecrf_ocio.photo.xmp import value_of, xmp_of
+
+# Phones append a second picture (CIPA DC-007) or a film, and say so here or in what follows.
+_FOLLOWING = ("MotionPhoto", "MicroVideo", "Container:Directory")
+
+
+class PhotoFile:
+    """A photo's file: its kind by content, and its parts, each read when it is asked for."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    @cached_property
+    def kind(self) -> Kind | None:
+        """By the first bytes; by the suffix where they tell of none; None where that is wrong."""
+        with self.path.open("rb") as file:
+            head = file.read(HEAD)
+        told, named = kind_of(head), kind_named(self.path)
+        if told is not None or named is None or named.reader == RAW or not named.starts:
+            return told or named
+        return named if named.name == "JPEG" and take_apart(head) is not None else None
+
+    @property
+    def is_raw(self) -> bool:
+        """Whether it is camera raw by its content, or by a name that its content does not deny."""
+        if self.kind is None or self.kind.name != "TIFF":
+            return self.kind is not None and self.kind.reader == RAW
+        named = kind_named(self.path)
+        plain = named is not None and named.name == "TIFF"
+        return holds_raw(self.content) or (not plain and libraw_takes(self.path))
+
+    @cached_property
+    def content(self) -> bytes:
+        """All of its bytes."""
+        return self.path.read_bytes()
+
+    @cached_property
+    def jpeg(self) -> JpegParts | None:
+        """Its parts, if it is a JPEG."""
+        is_jpeg = self.kind is not None and self.kind.name == "JPEG"
+        return take_apart(self.content) if is_jpeg else None
+
+    @cached_property
+    def xmp(self) -> str:
+        """Its XMP, empty without."""
+        return xmp_of(self.content, self.jpeg)
+
+    def forget(self) -> None:
+        """Let its bytes go."""
+        self.__dict__.pop("content", None)
+        self.__dict__.pop("jpeg", None)
+
+
+@dataclass(slots=True)
+class Picture:
+    """An open picture; `close` it.
+
+    Attributes
+    ----------
+    source
+        OpenImageIO's input, at the photo among its pictures.
+    page
+        Index of that.
+    notes
+        What was mended or chosen, in clauses.
+    """
+
+    source: Any
+    page: int = 0
+    notes: tuple[str, ...] = ()
+    kept: Any = None
+
+    @property
+    def spec(self) -> Any:
+        """What OpenImageIO says of it."""
+        return self.source.spec()
+
+    def close(self) -> None:
+        """Let the file go, and the copy of it, if one was made."""
+        self.source.close()
+        if self.kept is not None:
+            self.kept.cleanup()
+
+
+def open_image(path: Path) -> Any | None:
+    """Open a file with OpenImageIO, colors not multiplied by alpha; None if it cannot be."""
+    hints = oiio.ImageSpec()
+    hints.attribute("oiio:UnassociatedAlpha", 1)
+    return oiio.ImageInput.open(str(path), hints)
+
+
+def open_picture(file: PhotoFile) -> Picture | None:
+    """Open what is the photo in a file; None if OpenImageIO cannot."""
+    if file.jpeg is not None and file.jpeg.picture != file.content:
+        return _open_mended(file.jpeg, file.xmp)
+    source = open_image(file.path)
+    if source is None or source.format_name() != "tiff":
+        return None if source is None else Picture(source)
+    return _at_photo(source)
+
+
+def _open_mended(jpeg: JpegParts, xmp: str) -> Picture | None:
+    """OpenImageIO reads files alone, and takes an appended gain map for a part of the pixels."""
+    folder = tempfile.TemporaryDirectory(prefix="facecrf-")
+    copy = Path(folder.name) / "picture.jpg"
+    copy.write_bytes(jpeg.picture)
+    source = open_image(copy)
+    if source is None:
+        folder.cleanup()
+        return None
+    return Picture(source, 0, tuple(_mended(jpeg, xmp)), folder)
+
+
+def _mended(jpeg: JpegParts, xmp: str) -> list[str]:
+    notes = []
+    if jpeg.stray:
+        notes.append(f"{jpeg.stray} stray bytes before its pixels were left out")
+    if not jpeg.ended:
+        notes.append("the mark that ends the JPEG is missing, and no pixel with it")
+    rest = jpeg.rest.strip(b"\0\xff")
+    told = jpeg.contents(0xE2, b"MPF\0") or any(name in xmp for name in _FOLLOWING)
+    if rest and not told and not rest.startswith(b"\xd8") and b"ftyp" not in rest[:64]:
+        notes.append(f"{len(jpeg.rest)} bytes after the picture's end were left out")
+    return notes
+
+
+def _at_photo(source: Any) -> Picture:
+    """A TIFF at the page that is the photo."""
+    pages: list[Page] = []
+    while source.seek_subimage(len(pages), 0):
+        spec = source.spec()
+        size = spec.width * spec.height
+        pages.append(Page(size, spec.get_int_attribute("tiff:subfiletype")))
+    complaint(source.geterror)  # that there is no page after the last
+    chosen = photo_page(pages)
+    source.seek_subimage(chosen, 0)
+    several = chosen > 0 or sum(not page.is_aside for page in pages) > 1
+    note = f"page {chosen + 1} of {len(pages)} was read, the largest that is no thumbnail"
+    return Picture(source, chosen, (note,) if several else ())
+
+
+def orientation_of(spec: Any, xmp: str) -> int:
+    """EXIF's orientation, 1 to 8, else that of XMP, else 1."""
+    told = spec.get_int_attribute("Orientation", 0)
+    if told == 0:
+        value = value_of(xmp, "tiff:Orientation")
+        told = int(value) if value.isascii() and value.isdigit() else 1
+    return int(told)

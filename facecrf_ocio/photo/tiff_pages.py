@@ -1,0 +1,70 @@
+"""Which page of a TIFF is the photo, and whether camera raw hides behind the suffix."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+
+# TIFF 6.0, TIFF/EP and DNG 1.7: tags of a directory.
+_SUBFILE, _PHOTOMETRIC, _SUB_DIRECTORIES, _DNG_VERSION = 254, 262, 330, 50706
+_FILTER_ARRAY, _LINEAR_RAW = 32803, 34892
+_REDUCED, _MASK = 1, 4  # bits of NewSubfileType
+_MOST = 64  # directories looked at: a file may lead in circles
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """What tells whether a page is the photo: its pixels, and its NewSubfileType."""
+
+    pixels: int
+    subfile: int = 0
+
+    @property
+    def is_aside(self) -> bool:
+        """Whether the page says that it is a thumbnail or a mask of another."""
+        return bool(self.subfile & (_REDUCED | _MASK))
+
+
+def photo_page(pages: list[Page]) -> int:
+    """Index of the page that is the photo: the largest, the first of equals, no thumbnail."""
+    candidates = [i for i, page in enumerate(pages) if not page.is_aside] or range(len(pages))
+    return max(candidates, key=lambda index: (pages[index].pixels, -index))
+
+
+def holds_raw(content: bytes) -> bool:
+    """Whether a TIFF is camera raw: a DNG, or one with a sensor's pixels in any directory."""
+    order = {b"II": "<", b"MM": ">"}.get(content[:2])
+    if order is None or content[2:4] not in (b"*\0", b"\0*"):
+        return False
+    waiting, seen = [_unpack(order + "I", content, 4)], set[int]()
+    while waiting and len(seen) < _MOST:
+        at = waiting.pop()
+        if at in seen or at == 0:
+            continue
+        seen.add(at)
+        tags, following = _directory(order, content, at)
+        if _DNG_VERSION in tags or {_FILTER_ARRAY, _LINEAR_RAW} & set(tags.get(_PHOTOMETRIC, ())):
+            return True
+        waiting += [*tags.get(_SUB_DIRECTORIES, ()), following]
+    return False
+
+
+def _directory(order: str, content: bytes, at: int) -> tuple[dict[int, tuple[int, ...]], int]:
+    """Tags of whole numbers of the directory at an offset, and the offset of the next one."""
+    count = _unpack(order + "H", content, at)
+    tags = {}
+    for entry in range(at + 2, min(at + 2 + 12 * count, len(content) - 11), 12):
+        tag, kind, number = struct.unpack_from(order + "HHI", content, entry)
+        letter, size = {1: ("B", 1), 3: ("H", 2), 4: ("I", 4), 13: ("I", 4)}.get(kind, ("", 0))
+        if not letter or number > _MOST:
+            continue
+        inside = number * size <= 4
+        place = entry + 8 if inside else _unpack(order + "I", content, entry + 8)
+        if place + number * size <= len(content):
+            tags[tag] = struct.unpack_from(f"{order}{number}{letter}", content, place)
+    return tags, _unpack(order + "I", content, at + 2 + 12 * count)
+
+
+def _unpack(layout: str, content: bytes, at: int) -> int:
+    size = struct.calcsize(layout)
+    return int(struct.unpack_from(layout, content, at)[0]) if at + size <= len(content) else 0

@@ -1,0 +1,41 @@
+"""XMP: what software wrote about a picture, as text, and single properties of it."""
+
+from __future__ import annotations
+
+import re
+
+from facecrf_ocio.photo.jpeg_segments import JpegParts
+
+_PACKET = re.compile(rb"<x:xmpmeta.*?</x:xmpmeta>|<rdf:RDF.*?</rdf:RDF>", re.DOTALL)
+_IN_JPEG = b"http://ns.adobe.com/xap/1.0/\0"
+_MARK = b"<rdf:RDF"
+
+
+def xmp_of(content: bytes, jpeg: JpegParts | None) -> str:
+    """First XMP packet of a file's bytes; empty where there is none.
+
+    In JPEG it is a segment (XMP part 3, 1.1.3); elsewhere it stands uncompressed (part 3, 1).
+    """
+    if jpeg is not None:
+        return b"".join(jpeg.contents(0xE1, _IN_JPEG)[:1]).decode("utf-8", "replace")
+    if _MARK not in content:
+        return ""
+    packet = _PACKET.search(content)
+    return "" if packet is None else packet[0].decode("utf-8", "replace")
+
+
+def values_of(xmp: str, name: str) -> list[str]:
+    """Values of a property such as `tiff:Orientation`, written as attribute, element, or list."""
+    attribute = re.search(rf"""\b{re.escape(name)}\s*=\s*(?:"([^"]*)"|'([^']*)')""", xmp)
+    if attribute is not None:
+        return [attribute[1] if attribute[1] is not None else attribute[2]]
+    element = re.search(rf"<{re.escape(name)}\b[^>]*>(.*?)</{re.escape(name)}>", xmp, re.DOTALL)
+    if element is None:
+        return []
+    items = re.findall(r"<rdf:li\b[^>]*>([^<]*)</rdf:li>", element[1])
+    return [item.strip() for item in items or [element[1]]]
+
+
+def value_of(xmp: str, name: str) -> str:
+    """The one value of a property; empty where there is none."""
+    return next(iter(values_of(xmp, name)), "")

@@ -1,0 +1,270 @@
+"""Photos as they lie on disks: misnamed, patched up, in pages, with profiles that are none."""
+
+from __future__ import annotations
+
+import struct
+from io import BytesIO
+from pathlib import Path
+
+import cv2
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from photo_files import app1, exif_of, matrix_profile, segment, with_segments, write_dng
+from PIL import Image
+
+from facecrf_ocio import read_photo
+from facecrf_ocio.archive.walk import photos_under
+from facecrf_ocio.calibrate import assumptions_of
+from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.photo.jpeg_segments import take_apart
+from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
+from facecrf_ocio.photo.suffixes import KINDS, PHOTO_SUFFIXES, RAW_SUFFIXES, kind_of
+from facecrf_ocio.photo.tiff_pages import holds_raw
+
+RAMP = np.tile(np.linspace(0, 255, 48).astype(np.uint8)[:, None], (1, 32))
+REC709 = ((0.64, 0.33), (0.3, 0.6), (0.15, 0.06), (0.3127, 0.329))
+
+
+def jpeg_of(gray: np.ndarray = RAMP, **options: int) -> bytes:
+    out = BytesIO()
+    Image.fromarray(np.repeat(gray[..., None], 3, axis=2)).save(out, "JPEG", quality=95, **options)
+    return out.getvalue()
+
+
+JPEG = jpeg_of()
+
+
+def pixels(jpeg: bytes) -> np.ndarray:
+    """What OpenCV's libjpeg makes of it."""
+    codes = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR)
+    return codes[..., ::-1] / np.float32(255)
+
+
+class TestContentBeforeSuffix:
+    @pytest.mark.parametrize(
+        "suffix", [".dng", ".CR2", ".raw", ".tif", ".png", ".heic", ".xyz", ""]
+    )
+    def test_jpeg_by_another_name(self, tmp_path: Path, suffix: str) -> None:
+        path = tmp_path / f"a{suffix}"
+        path.write_bytes(JPEG)
+        photo = read_photo(path)
+        assert not photo.scene_linear
+        assert np.array_equal(photo.encoded, pixels(JPEG))
+
+    @pytest.mark.parametrize("suffix", [".tif", ".jpg", ".dng"])
+    def test_camera_raw_by_another_name(self, tmp_path: Path, suffix: str) -> None:
+        path = write_dng(tmp_path / f"a{suffix}", np.full((64, 64), 9000.0))
+        assert holds_raw(path.read_bytes())
+        assert read_photo(path).scene_linear
+
+    def test_an_ordinary_tiff_is_not_camera_raw(self, tmp_path: Path) -> None:
+        Image.fromarray(RAMP).save(tmp_path / "a.tif")
+        assert not holds_raw((tmp_path / "a.tif").read_bytes())
+
+    @given(st.binary(max_size=300))
+    def test_any_bytes_after_a_tiffs_first_are_looked_at_safely(self, tail: bytes) -> None:
+        assert holds_raw(b"II*\0" + tail) in (True, False)
+        assert holds_raw(b"MM\0*" + tail) in (True, False)
+
+    def test_raw_that_decodes_to_zeros(self, tmp_path: Path) -> None:
+        path = write_dng(tmp_path / "a.dng", np.zeros((64, 64)))
+        with pytest.raises(PhotoError, match="zeros alone"):
+            read_photo(path)
+
+
+class TestTheTable:
+    def test_no_suffix_belongs_to_two_kinds(self) -> None:
+        suffixes = [suffix for kind in KINDS for suffix in kind.suffixes]
+        assert len(suffixes) == len(set(suffixes)) == len(PHOTO_SUFFIXES)
+
+    def test_kinds_are_told_apart_by_their_first_bytes(self) -> None:
+        for kind in KINDS:
+            for at, magic in kind.starts:
+                assert kind_of(bytes(at) + magic + bytes(16)) is kind
+
+    def test_what_openimageio_writes_is_known(self, tmp_path: Path) -> None:
+        for suffix in (
+            ".jpg",
+            ".png",
+            ".tif",
+            ".exr",
+            ".jp2",
+            ".jxl",
+            ".webp",
+            ".gif",
+            ".bmp",
+            ".hdr",
+        ):
+            path = tmp_path / f"a{suffix}"
+            out = oiio.ImageOutput.create(str(path))
+            if out is None:  # not in every build
+                continue
+            assert out.open(str(path), oiio.ImageSpec(48, 32, 3, oiio.UINT8))
+            out.write_image(np.zeros((32, 48, 3), np.uint8))
+            out.close()
+            kind = kind_of(path.read_bytes()[:64])
+            assert kind is not None, suffix
+            assert suffix in kind.suffixes
+
+    def test_a_walk_finds_every_kind(self, tmp_path: Path) -> None:
+        for suffix in PHOTO_SUFFIXES | {".txt", ".mov"}:
+            (tmp_path / f"a{suffix}").touch()
+        assert {path.suffix for path in photos_under(tmp_path)} == PHOTO_SUFFIXES
+        assert {".3fr", ".cr3", ".crw", ".mef", ".x3f"} <= RAW_SUFFIXES
+
+
+class TestJpeg:
+    @pytest.mark.parametrize(
+        ("flaw", "note"),
+        [
+            (lambda whole: whole[:20] + b"\x01\x02\x03" + whole[20:], "3 stray bytes"),
+            (lambda whole: b"\r\n" + whole, "2 stray bytes"),
+            (lambda whole: whole[:-2], "mark that ends"),
+            (lambda whole: whole[:-1], "mark that ends"),
+            (lambda whole: whole + b"left over " * 9, "90 bytes after"),
+        ],
+    )
+    def test_flaws_that_cost_no_pixel(self, tmp_path: Path, flaw, note: str) -> None:
+        path = tmp_path / "a.jpg"
+        path.write_bytes(flaw(JPEG))
+        photo = read_photo(path)
+        assert np.array_equal(photo.encoded, pixels(JPEG))
+        assert len(photo.notes) == 1
+        assert note in photo.notes[0]
+        assert any(note in said for said in assumptions_of(photo))
+
+    @pytest.mark.parametrize("tail", [b"", b"\0" * 64, JPEG, b"\0\0\0\x18ftypmp42" + bytes(99)])
+    def test_what_needs_no_note(self, tmp_path: Path, tail: bytes) -> None:
+        path = tmp_path / "a.jpg"
+        path.write_bytes(JPEG + tail)
+        photo = read_photo(path)
+        assert np.array_equal(photo.encoded, pixels(JPEG))
+        assert photo.notes == ()
+
+    @pytest.mark.parametrize("options", [{}, {"progressive": 1}])
+    def test_a_jpeg_cut_within_its_pixels_is_refused(self, tmp_path: Path, options) -> None:
+        noise = np.random.default_rng(1).integers(0, 256, (64, 64), np.uint8)
+        path = tmp_path / "a.jpg"
+        path.write_bytes(jpeg_of(noise, **options)[:-9])
+        with pytest.raises(PhotoError, match="cut short"):
+            read_photo(path)
+
+    @given(st.binary(max_size=400))
+    def test_any_bytes_are_taken_apart(self, tail: bytes) -> None:
+        parts = take_apart(b"\xff\xd8\xff" + tail)
+        assert parts is not None
+        assert (parts.picture[:2], parts.picture[-2:]) == (b"\xff\xd8", b"\xff\xd9")
+        assert len(parts.picture) + len(parts.rest) <= len(tail) + 5
+
+
+def xmp_segment(orientation: int, form: str) -> bytes:
+    said = {
+        "attribute": f'<rdf:Description tiff:Orientation="{orientation}"/>',
+        "element": f"<rdf:Description><tiff:Orientation>{orientation}</tiff:Orientation>"
+        "</rdf:Description>",
+    }[form]
+    packet = f"<x:xmpmeta><rdf:RDF>{said}</rdf:RDF></x:xmpmeta>"
+    return segment(0xE1, b"http://ns.adobe.com/xap/1.0/\0" + packet.encode())
+
+
+class TestOrientation:
+    @pytest.mark.parametrize("form", ["attribute", "element"])
+    def test_of_xmp_where_exif_has_none(self, tmp_path: Path, form: str) -> None:
+        path = tmp_path / "a.jpg"
+        path.write_bytes(with_segments(JPEG, xmp_segment(6, form)))
+        assert np.array_equal(read_photo(path).encoded, np.rot90(pixels(JPEG), -1))
+
+    def test_exif_goes_before_xmp(self, tmp_path: Path) -> None:
+        path = tmp_path / "a.jpg"
+        exif = app1(exif_of({274: 3}))
+        path.write_bytes(with_segments(JPEG, exif, xmp_segment(6, "attribute")))
+        assert np.array_equal(read_photo(path).encoded, np.rot90(pixels(JPEG), 2))
+
+
+def test_16_bits_of_which_zero_is_white(tmp_path: Path) -> None:
+    tifffile = pytest.importorskip("tifffile")
+    codes = np.linspace(0, 65535, 32 * 48).astype(np.uint16).reshape(32, 48)
+    for name, kind in (("a.tif", "minisblack"), ("b.tif", "miniswhite")):
+        tifffile.imwrite(tmp_path / name, codes, photometric=kind)
+    black, white = (read_photo(tmp_path / name).encoded for name in ("a.tif", "b.tif"))
+    assert np.allclose(white, 1 - black, atol=1e-6)
+
+
+def test_a_page_marked_as_thumbnail_is_passed_over(tmp_path: Path) -> None:
+    tifffile = pytest.importorskip("tifffile")
+    with tifffile.TiffWriter(tmp_path / "a.tif") as out:
+        out.write(np.full((90, 90, 3), 200, np.uint8), photometric="rgb", subfiletype=1)
+        out.write(np.full((30, 40, 3), 100, np.uint8), photometric="rgb", subfiletype=0)
+    photo = read_photo(tmp_path / "a.tif")
+    assert photo.encoded.shape == (30, 40, 3)
+    assert "page 2 of 2" in photo.notes[0]
+
+
+class TestRaw:
+    @pytest.mark.parametrize(("orientation", "shape"), [(1, (40, 60)), (6, (60, 40))])
+    def test_the_crop_a_dng_asks_for(self, tmp_path: Path, orientation: int, shape) -> None:
+        mosaic = np.full((64, 96), 3000.0)
+        mosaic[8:48, 16:76] = 30000.0
+        crop = {"t50719": (16, 8), "t50720": (60, 40), "t274": (orientation,)}
+        photo = read_photo(write_dng(tmp_path / "a.dng", mosaic, **crop))
+        assert photo.encoded.shape[:2] == shape
+        inner = photo.encoded[4:-4, 4:-4]
+        assert inner.min() == pytest.approx(inner.max(), rel=1e-3)
+
+    def test_black_is_subtracted(self, tmp_path: Path) -> None:
+        mosaic = np.full((64, 64), 2048.0)
+        mosaic[:, 32:] = 2048.0 + 16000.0
+        mosaic[:4] = 65535.0  # so that the scale is the same with and without black
+        photo = read_photo(write_dng(tmp_path / "a.dng", mosaic, t50714=(2048,)))
+        assert photo.encoded[20:, 4:28].max() < 1e-3
+        expected = 16000 / (65535 - 2048)
+        assert photo.encoded[20:, 36:60].mean() == pytest.approx(expected, rel=0.01)
+
+
+def broken(profile: bytes, tag: bytes, content: bytes) -> bytes:
+    """A profile with the numbers of one tag replaced."""
+    at = profile.index(tag, 128)
+    offset = struct.unpack_from(">I", profile, at + 4)[0] + 8
+    return profile[:offset] + content + profile[offset + len(content) :]
+
+
+PROFILE = matrix_profile(*REC709)
+
+
+class TestProfiles:
+    @pytest.mark.parametrize(
+        "profile",
+        [
+            broken(PROFILE, b"chad", bytes(36)),
+            broken(broken(PROFILE, b"rXYZ", bytes(12)), b"gXYZ", bytes(12)),
+            broken(PROFILE, b"rXYZ", bytes(12)),
+            broken(PROFILE, b"gXYZ", PROFILE[PROFILE.index(b"XYZ \0\0\0\0", 132) + 8 :][:12]),
+            broken(PROFILE, b"chad", struct.pack(">9i", *([65536] * 9))),
+            broken(matrix_profile(*REC709, version=2), b"bXYZ", b"\x80\0\0\0" * 3),
+            PROFILE[:200],
+            b"no profile at all" * 20,
+        ],
+    )
+    def test_a_profile_of_no_use_is_set_aside_with_a_note(
+        self, tmp_path: Path, profile: bytes
+    ) -> None:
+        assert primaries_from_icc(profile) is None
+        path = tmp_path / "a.jpg"
+        icc = segment(0xE2, b"ICC_PROFILE\0\x01\x01" + profile)
+        path.write_bytes(with_segments(JPEG, icc, app1(exif_of({271: b"Acme\0"}))))
+        photo = read_photo(path)
+        assert photo.primaries is None
+        assert "ICC profile was set aside" in photo.notes[0]
+
+    def test_a_sound_profile_gets_no_note(self) -> None:
+        assert profile_notes(PROFILE) == () == profile_notes(b"")
+        assert primaries_from_icc(PROFILE) is not None
+
+    @given(st.integers(132, len(PROFILE) - 5), st.binary(min_size=1, max_size=4))
+    def test_primaries_of_a_damaged_profile_are_finite_or_none(self, at: int, odd: bytes) -> None:
+        found = primaries_from_icc(PROFILE[:at] + odd + PROFILE[at + len(odd) :])
+        if found is not None:
+            assert np.isfinite((found.red, found.green, found.blue, found.white)).all()
