@@ -71,3 +71,20 @@ def test_pairs_of_real_cameras_stand_under_their_own_heading(tmp_path):
     text = (tmp_path / "RESULTS.md").read_text()
     assert "## Real cameras (Table 2): pairs of exposures, 1 in all\n\n| joint" in text
     assert "Code 0123456789ab." in text
+
+
+def test_what_photos_go_through_and_real_photos_have_their_own_headings(tmp_path):
+    run_of = {
+        "stress": {key: RUN[key] for key in ("images", "responses", "seed", "code")},
+        "consistency": {"photos": 18, "code": "0123456789abcdef"},
+    }
+    for name, said in run_of.items():
+        (tmp_path / name).mkdir()
+        (tmp_path / name / f"{name}.md").write_text(f"| {name} | 0.07 |")
+        (tmp_path / name / f"{name}.json").write_text(json.dumps({"run": said}))
+    page = tmp_path / "RESULTS.md"
+    assert run(tmp_path / "stress", tmp_path / "consistency", "-o", page).exit_code == 0
+    text = page.read_text()
+    assert "## What photos go through: 2 images, a.exr to b.exr, through 3 responses of" in text
+    assert "Seed 3; code 0123456789ab." in text
+    assert "## Real photos, without a truth: 18 photos\n\n| consistency" in text

@@ -7,21 +7,25 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from facecrf_ocio.benchmark import cue_shares, tables
+from facecrf_ocio.benchmark import consistency, cue_shares, stress_tables, tables
 from facecrf_ocio.errors import PhotoError
 
 _TABLES = {
+    "stress.md": "What photos go through",
+    "consistency.md": "Real photos, without a truth",
     "table.md": "Synthetic photos (Table 1)",
     "cues.md": "The cues of joint",
     "ablations.md": "Ablations",
 }
 _PAIRS = "Real cameras (Table 2)"
 _RECORDS = {
+    "stress.md": "stress.json",
+    "consistency.md": "consistency.json",
     "table.md": "results.json",
     "cues.md": "cues.json",
     "ablations.md": "ablations.json",
 }
-_LEGENDS = (tables.LEGEND, cue_shares.LEGEND)
+_LEGENDS = (stress_tables.LEGEND, consistency.LEGEND, tables.LEGEND, cue_shares.LEGEND)
 _PICTURES = {
     "fig2_gamma.png": "Energies over candidate gammas, for cameras of gamma 0.3 to 1 (Fig. 2). "
     "With exact log ratios a common exponent only scales the matrices of eq. 16, so that E_p can "
@@ -65,7 +69,7 @@ def results_page(folders: Sequence[Path], findings: str, pictures: str) -> tuple
         for name in found:
             text = _unexplained((folder / name).read_text(encoding="utf-8"), explained)
             run = json.loads((folder / _RECORDS[name]).read_text(encoding="utf-8"))["run"]
-            title = _TABLES[name] if "responses" in run else _PAIRS
+            title = _PAIRS if "pairs" in run else _TABLES[name]
             parts += [f"## {title}: {_photos(run)}", text, _conditions(run)]
         for name in drawn:
             parts += [f"![{name}]({pictures}/{name})", _PICTURES[name]]
@@ -85,8 +89,10 @@ def _unexplained(text: str, explained: set[str]) -> str:
 
 def _photos(run: dict[str, Any]) -> str:
     """What was measured on."""
-    if "responses" not in run:
+    if "pairs" in run:
         return f"pairs of exposures, {len(run['pairs'])} in all"
+    if "responses" not in run:
+        return f"{run['photos']} photos"
     images = list(run["images"])
     named = images[0] if len(images) == 1 else f"{len(images)} images, {images[0]} to {images[-1]},"
     responses = run["responses"]
@@ -97,8 +103,9 @@ def _photos(run: dict[str, Any]) -> str:
 
 def _conditions(run: dict[str, Any]) -> str:
     """Say in one line how it was run."""
-    if "responses" not in run:
-        return f"Code {run['code'][:12]}."
+    if "encoding" not in run:
+        seed = f"Seed {run['seed']}; code" if "seed" in run else "Code"
+        return f"{seed} {run['code'][:12]}."
     encoding = ", ".join(f"{name} {value}" for name, value in run["encoding"].items() if value)
     prior = run.get("prior", "auto")
     return f"Measured with {encoding}; seed {run['seed']}; prior {prior}; code {run['code'][:12]}."

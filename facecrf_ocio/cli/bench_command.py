@@ -256,6 +256,34 @@ def cues(output: Path, **choices: Any) -> int:
 
 
 @bench.command()
+@click.argument("photos", nargs=-1, required=True, type=_PATH)
+@click.option("--half", is_flag=True, help="Take the photos at half their width, to save time.")
+@click.option("-o", "--output", type=_PATH, metavar="DIR", help="Also write the table there.")
+@ending_well
+def consistency(photos: tuple[Path, ...], half: bool, output: Path | None) -> int:
+    """Test estimates of PHOTOS without knowing the truth.
+
+    Sent through known curves, a photo's estimate must change as they say; encoded as sRGB, it must
+    be sRGB; photos of one camera must agree.
+    """
+    from facecrf_ocio.benchmark.consistency import (
+        consistency_markdown,
+        measure_consistency,
+        write_consistency,
+    )
+
+    if output is not None:
+        require_writable(output)
+        output.mkdir(parents=True, exist_ok=True)
+    with _progress() as progress:
+        found = measure_consistency(photos, half=half, progress=progress)
+    for line in found.left_out:
+        click.echo(f"facecrf: left out: {one_line(line)}", err=True)
+    files = () if output is None else write_consistency(found, output)
+    return _told(consistency_markdown(found), files)
+
+
+@bench.command()
 @click.argument("source", type=_PATH)
 @click.option("--estimators", default="all", show_default=True, metavar="NAMES")
 @click.option("-o", "--output", required=True, type=_PATH, metavar="DIR")

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from facecrf_ocio.color.srgb import decode_srgb
 from facecrf_ocio.joint.prior import FamilyPrior, Posterior
 from facecrf_ocio.response.expected_stops import expected_of_draws, rising, share_nearer
-from facecrf_ocio.response.fixed import fixed_curve
-from facecrf_ocio.response.model import dorf_model
 from facecrf_ocio.values import Float, InStops, InverseCRF, Verdict
 
 # [stop] Expected errors up to which an estimate is called reliable: a tenth of a stop is what a
@@ -45,7 +44,7 @@ def judge(
     """
     draws = rising(_draws(posterior, prior, band_scale))
     estimate = found.linear[0]
-    srgb = fixed_curve("srgb", found.encoded, dorf_model())
+    srgb = decode_srgb(found.encoded)
     return expected_of_draws(estimate, draws), share_nearer(estimate, srgb, draws)
 
 
