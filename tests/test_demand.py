@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from facecrf_ocio.record.demand import Demand, demand
-from facecrf_ocio.record.trust_words import trust_phrase, trust_sentences
 from facecrf_ocio.values import Confidence, Estimate, InStops, InverseCRF, Outcome, Verdict
+from facecrf_ocio.wording.trust_words import trust_phrase, trust_sentences
 
 CODES = np.linspace(0.0, 1.0, 256)
 TOLD = Confidence(

@@ -18,7 +18,6 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from facecrf_ocio.face.view import cut_face
 from facecrf_ocio.files.atomic import Draft, write_files
 from facecrf_ocio.published.face_estimator import AnalyzedFace, analyze_face
-from facecrf_ocio.record.trust_words import trust_phrase
 from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import dorf_model
 from facecrf_ocio.response.stops import (
@@ -32,6 +31,7 @@ from facecrf_ocio.response.stops import (
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import CHANNELS, Estimate, Float, Photo
 from facecrf_ocio.wording.sentence import sentence
+from facecrf_ocio.wording.trust_words import trust_phrase
 
 INK = {"R": "#c8322b", "G": "#2f8f46", "B": "#2b5fc8"}
 BLACK = "#202020"

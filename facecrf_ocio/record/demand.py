@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from facecrf_ocio.record.trust_words import trust_sentences
 from facecrf_ocio.settings import VERDICTS
 from facecrf_ocio.values import Confidence, Estimate, Outcome
+from facecrf_ocio.wording.trust_words import trust_sentences
 
 
 @dataclass(frozen=True, slots=True)

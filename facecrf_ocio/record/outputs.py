@@ -12,9 +12,9 @@ from facecrf_ocio.lut.format_table import default_formats
 from facecrf_ocio.lut.transform import Recipe
 from facecrf_ocio.lut.write import lut_draft, split_ending
 from facecrf_ocio.record.sidecar import SUFFIX, read_sidecar, sidecar_draft
-from facecrf_ocio.record.trust_words import trust_phrase
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Estimate, Photo
+from facecrf_ocio.wording.trust_words import trust_phrase
 
 
 def write_outputs(

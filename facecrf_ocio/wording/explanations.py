@@ -9,8 +9,9 @@ from facecrf_ocio.estimators import ESTIMATOR_NAMES
 VERDICTS = """\
 A verdict says how far a curve may be trusted.
 
-reliable    Use it. The error that is expected is small, and at least 95 of 100 curves
-            that the photo leaves possible are nearer to the estimate than to sRGB.
+reliable    Use it. The error to expect is at most 0.1 stops in the midtones and 0.25 in
+            the shadows. The curve may be sRGB all the same: whether it differs is said
+            apart from the verdict.
 weak        A first guess. The photo says something, but little, or its cues contradict
             each other. Compare it with sRGB; more photos of the same camera together,
             a raw file beside the JPEG, or a bracket make it surer.

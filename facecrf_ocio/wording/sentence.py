@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from facecrf_ocio.values import Estimate, Outcome, Verdict
 from facecrf_ocio.wording.expectation import Expectation, expectation
+from facecrf_ocio.wording.trust_words import trust_sentences
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +70,8 @@ def sentence(estimate: Estimate, surface: Surface = ANYWHERE) -> str:
 
 def details(estimate: Estimate) -> tuple[str, ...]:
     """Return what the curve rests on, one line each, for those who ask."""
-    reasons = () if estimate.confidence is None else estimate.confidence.reasons
+    told = estimate.confidence
+    reasons = () if told is None else trust_sentences(told)
     return (estimate.reason, *reasons, *estimate.assumptions)
 
 
