@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import copyreg
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.errors import NotCalibratedError, PhotoError, SettingsError
+from facecrf_ocio.checks import check_bit_depth, check_primaries, checked_alpha, checked_pixels
+from facecrf_ocio.errors import NotCalibratedError, SettingsError
 
 Float = npt.NDArray[np.floating[Any]]
 Bool = npt.NDArray[np.bool_]
@@ -25,12 +28,24 @@ CHANNELS = ("R", "G", "B")
 
 
 def frozen(array: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
-    """Return a read-only array of the given type, copied if the caller could still write to it."""
+    """Return a read-only array of the given type, copied if the caller could still write to it.
+
+    An array that is read-only already is taken as it is: that hands it over.
+    """
     result = np.asarray(array, dtype=dtype)
     if result.flags.writeable:
         result = result.copy() if isinstance(array, np.ndarray) else result
         result.flags.writeable = False
     return result
+
+
+def read_only(items: Mapping[str, float]) -> MappingProxyType[str, float]:
+    """Return a copy that no one can write to."""
+    return MappingProxyType(dict(items))
+
+
+# An estimate goes from process to process, and pickle does not know read-only views by itself.
+copyreg.pickle(MappingProxyType, lambda view: (read_only, (dict(view),)))
 
 
 class Outcome(str, Enum):
@@ -52,16 +67,6 @@ class Verdict(str, Enum):
     RELIABLE = "reliable"
     WEAK = "weak"
     PRIOR_ONLY = "prior only"
-
-    def __str__(self) -> str:
-        return self.value
-
-
-class Pigment(str, Enum):
-    """The two pigments that color skin (sec. 3 of the paper)."""
-
-    MELANIN = "melanin"
-    HEMOGLOBIN = "hemoglobin"
 
     def __str__(self) -> str:
         return self.value
@@ -138,34 +143,15 @@ class Photo:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        given = np.asarray(self.encoded)
-        if given.ndim != 3 or given.shape[2] != 3 or 0 in given.shape:
-            raise PhotoError(
-                self.path,
-                f"an array of shape {given.shape} is not a photo",
-                "give an array of shape (height, width, 3)",
-            )
-        if not np.issubdtype(given.dtype, np.floating):
-            raise PhotoError(
-                self.path,
-                f"code values of type {given.dtype} have no known maximum",
-                "divide them by the maximum code (255 or 65535) and give floats in [0, 1]",
-            )
-        encoded = np.asarray(given, dtype=np.float32)
-        low, high = float(encoded.min()), float(encoded.max())
-        if not (np.isfinite(low) and np.isfinite(high)):
-            raise PhotoError(
-                self.path,
-                "has NaN or infinite pixels",
-                "replace them (oiiotool --fixnan box3) and try again",
-            )
-        if not self.scene_linear and (low < 0.0 or high > 1.0):
-            raise PhotoError(
-                self.path,
-                f"has encoded values from {low:.3g} to {high:.3g}, outside of 0 to 1",
-                "scale them to [0, 1], or pass scene_linear=True if they are linear light",
-            )
+        encoded = checked_pixels(self.encoded, self.path, scene_linear=self.scene_linear)
         object.__setattr__(self, "encoded", frozen(encoded, np.float32))
+        if self.alpha is not None:
+            alpha = checked_alpha(self.alpha, encoded.shape, self.path)
+            object.__setattr__(self, "alpha", frozen(alpha, np.float32))
+        check_bit_depth(self.bit_depth, self.path)
+        if self.primaries is not None:
+            p = self.primaries
+            check_primaries((p.red, p.green, p.blue, p.white), self.path)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -258,68 +244,12 @@ class Face:
         object.__setattr__(self, "landmarks_xyz", frozen(self.landmarks_xyz))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class FaceGeometry:
-    """The mesh of one face, rasterized onto an image grid of (H, W) pixels.
-
-    Attributes
-    ----------
-    vertices
-        (V, 3) in pixels of that grid; x right, y down, z away from the camera.
-    triangles
-        (F, 3) vertex indices.
-    normals
-        (H, W, 3) unit normals, x right, y up, z toward the camera; NaN outside of the mesh.
-    bare_skin
-        (H, W) inside the mesh, without eyes, brows, lips and nostrils.
-    """
-
-    vertices: Float
-    triangles: npt.NDArray[np.int32]
-    normals: npt.NDArray[np.float32]
-    bare_skin: Bool
-
-
 @dataclass(frozen=True, slots=True)
 class Lacking:
     """Why the photo tells an estimator nothing, and what the user can do; one sentence each."""
 
     reason: str
     remedy: str
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Pigments:
-    """Pigment densities of the skin and the directions that name them (eq. 24).
-
-    Attributes
-    ----------
-    melanin, hemoglobin
-        (N,) relative optical density of each skin pixel, in units of `directions`.
-    directions
-        (2, 3) unit vectors in log RGB, melanin first, pointing toward *less* light (negative
-        for absorption).
-    """
-
-    melanin: Float
-    hemoglobin: Float
-    directions: Float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PigmentGradients:
-    """Neighboring skin pixels that differ in one pigment alone (eq. 25).
-
-    Attributes
-    ----------
-    pairs
-        (N, 2) indices of both pixels into the face's list of pixels.
-    is_melanin
-        (N,) True where melanin alone changes, False where hemoglobin alone does.
-    """
-
-    pairs: Index
-    is_melanin: Bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -338,6 +268,9 @@ class InStops:
     sigma: Float
     mid: float
     shadows: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "sigma", frozen(self.sigma))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -378,6 +311,10 @@ class Confidence:
         share = self.nearer_than_srgb
         return None if share is None else share >= DIFFERS_SHARE
 
+    def __post_init__(self) -> None:
+        for name in ("sigma", "coverage"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Estimate:
@@ -417,6 +354,11 @@ class Estimate:
     energy: Mapping[str, float] = field(default_factory=dict)
     faces: tuple[Face, ...] = ()
     assumptions: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "energy", read_only(self.energy))
+        if self.coefficients is not None:
+            object.__setattr__(self, "coefficients", frozen(self.coefficients))
 
     @property
     def curve(self) -> InverseCRF:

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from facecrf_ocio.face.detect import find_faces
+from facecrf_ocio.face.geometry import FaceGeometry
 from facecrf_ocio.face.view import FaceView, cut_face
 from facecrf_ocio.published.energy.pigment import PigmentPairs, SkinPigment
 from facecrf_ocio.published.face_estimator import AnalyzedFace, analyze_face, pigment_pairs
@@ -20,7 +21,7 @@ from facecrf_ocio.synthetic import (
     photograph,
     render_face,
 )
-from facecrf_ocio.values import Face, FaceGeometry
+from facecrf_ocio.values import Face
 
 SETTINGS = Settings()
 SIZE = 1024

@@ -17,8 +17,9 @@ PACKAGE = Path(facecrf_ocio.__file__).parent
 
 # From the bottom up: what stands in one row may import its own room and the rows above it here.
 LAYERS = (
-    ("errors",),
-    ("values", "settings", "estimators"),
+    ("errors", "estimators"),
+    ("checks",),
+    ("values", "settings"),
     ("files", "color"),
     ("response", "photo"),
     ("face", "lut", "wording"),

@@ -18,9 +18,10 @@ from facecrf_ocio.face.view import FaceView
 from facecrf_ocio.plots import calibration_plot
 from facecrf_ocio.plots.calibration_plot import dimmed_face, pair_positions, plot_draft, write_plot
 from facecrf_ocio.published.face_estimator import AnalyzedFace
+from facecrf_ocio.published.gradients import PigmentGradients
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.synthetic import gamma_curve
-from facecrf_ocio.values import Estimate, Face, Photo, PigmentGradients
+from facecrf_ocio.values import Estimate, Face, Photo
 
 SETTINGS = Settings()
 NOISE = np.random.default_rng(5).random((6, 5, 3), np.float32)

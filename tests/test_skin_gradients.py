@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from facecrf_ocio.published.gradients import single_pigment_pairs
+from facecrf_ocio.published.pigments import Pigments
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.values import Pigments
 
 SETTINGS = Settings()
 

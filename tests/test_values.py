@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import FrozenInstanceError
+import copy
+import pickle
+from dataclasses import FrozenInstanceError, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +13,24 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from facecrf_ocio.checks import span_colors
+from facecrf_ocio.color.primaries import KNOWN_PRIMARIES, known_primaries, name_primaries
 from facecrf_ocio.errors import FaceCRFError, NotCalibratedError, PhotoError, SettingsError
+from facecrf_ocio.published.gradients import PigmentGradients
+from facecrf_ocio.published.pigments import Pigments
 from facecrf_ocio.response.model import strictly_increasing
-from facecrf_ocio.values import Estimate, Face, InverseCRF, Outcome, Photo, Verdict, frozen
+from facecrf_ocio.values import (
+    Confidence,
+    Estimate,
+    Face,
+    InStops,
+    InverseCRF,
+    Outcome,
+    Photo,
+    Primaries,
+    Verdict,
+    frozen,
+)
 
 CODES = np.linspace(0.0, 1.0, 65)
 CURVE = InverseCRF(CODES, CODES ** np.array([[1.8], [2.2], [2.6]]))
@@ -167,3 +184,131 @@ def test_an_estimate_without_a_curve_says_why_when_it_is_asked_for_one():
 
 def test_words_print_as_words():
     assert f"{Outcome.CALIBRATED} {Verdict.PRIOR_ONLY}" == "calibrated prior only"
+
+
+# --- what a photo is beside its pixels ---
+
+
+@pytest.mark.parametrize(
+    ("alpha", "text"),
+    [
+        (np.ones((3, 2)), r"alpha of shape \(3, 2\) and type float64 does not fit"),
+        (np.ones((2, 3, 1)), "does not fit"),
+        (np.ones((2, 3), np.uint8), r"uint8 does not fit pixels of \(2, 3, 3\); give floats"),
+        (np.full((2, 3), np.nan), "alpha from nan to nan, outside of 0 to 1"),
+        (np.full((2, 3), 1.01), "alpha from 1.01 to 1.01, outside of 0 to 1; scale it"),
+        (np.full((2, 3), -0.01), "alpha from -0.01"),
+        (np.ma.masked_array(np.ones((2, 3))), "masked array"),
+    ],
+)
+def test_alpha_fits_its_pixels(alpha, text):
+    with pytest.raises(PhotoError, match=text):
+        Photo(encoded=np.zeros((2, 3, 3), np.float32), alpha=alpha)
+
+
+@given(arrays(np.float64, (2, 3), elements=st.floats(0, 1)))
+def test_alpha_is_kept_as_a_copy_that_no_one_can_change(alpha):
+    photo = Photo(encoded=np.zeros((2, 3, 3), np.float32), alpha=alpha)
+    before = alpha.astype(np.float32)
+    alpha += 1.0
+    assert np.array_equal(photo.alpha, before)
+    assert not photo.alpha.flags.writeable
+    assert photo.alpha.dtype == np.float32
+
+
+@pytest.mark.parametrize("bits", [0, -8, 33, 8.0, "8", True, np.float32(8)])
+def test_a_bit_depth_is_a_number_of_bits(bits):
+    with pytest.raises(PhotoError, match="is no bit depth; give the bits of its integer codes"):
+        Photo(encoded=np.zeros((1, 1, 3)), bit_depth=bits)
+
+
+@pytest.mark.parametrize("bits", [None, 1, 8, 10, 16, 32, np.int64(12)])
+def test_integer_files_have_up_to_32_bits(bits):
+    assert Photo(encoded=np.zeros((1, 1, 3)), bit_depth=bits).bit_depth == bits
+
+
+def test_a_mask_is_not_dropped_without_a_word():
+    hidden = np.ma.masked_array(np.full((2, 2, 3), 0.5), mask=True)
+    with pytest.raises(PhotoError, match="masked array says nothing of the pixels it hides; fill"):
+        Photo(encoded=hidden)
+
+
+REC709 = ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06), (0.3127, 0.329))
+
+
+@pytest.mark.parametrize("name", KNOWN_PRIMARIES)
+def test_known_primaries_span_colors(name):
+    assert span_colors(KNOWN_PRIMARIES[name])
+    Photo(encoded=np.zeros((1, 1, 3)), primaries=known_primaries(name, "EXIF"))
+
+
+@pytest.mark.parametrize(
+    ("which", "xy"),
+    [
+        (0, (np.nan, 0.3)),
+        (3, (np.inf, 0.3)),
+        (0, (0.30, 0.60)),  # red and green alike
+        (0, (0.225, 0.33)),  # red between green and blue
+        (3, (0.7, 0.3)),  # white outside
+        (3, (0.64, 0.33)),  # white is red
+        (3, (0.0, 0.0)),
+    ],
+)
+def test_primaries_that_span_no_colors_are_refused(which, xy):
+    bad = [*REC709]
+    bad[which] = xy
+    with pytest.raises(PhotoError, match="primaries and white span no colors; give the CIE xy"):
+        Photo(encoded=np.zeros((1, 1, 3)), primaries=Primaries("custom", *bad, "EXIF"))
+    assert name_primaries(bad, "file attribute") is None
+
+
+@given(arrays(float, (4, 2), elements=st.floats(-0.2, 1.2)))
+def test_what_spans_colors_has_a_matrix_with_light_of_every_primary(xy):
+    if span_colors(xy):
+        columns = np.stack([xy[:, 0], xy[:, 1], 1 - xy.sum(axis=1)])
+        shares = np.linalg.solve(columns[:, :3], columns[:, 3])
+        assert (shares > 0).all()
+        assert np.isclose(shares.sum(), 1.0, atol=1e-6)
+
+
+# --- results ---
+
+
+@given(arrays(float, (3, 8), elements=st.floats(0, 1)), arrays(float, (3, 5)))
+def test_an_estimate_keeps_what_no_one_can_change(numbers, coefficients):
+    energy = {"pigment": 1.0}
+    stops = InStops(numbers, 0.1, 0.2)
+    told = Confidence(numbers, numbers, Verdict.WEAK, (), stops)
+    found = Estimate(
+        Outcome.CALIBRATED, "face", "", confidence=told, coefficients=coefficients, energy=energy
+    )
+    before = numbers.copy(), coefficients.copy()
+    numbers += 1.0
+    coefficients += 1.0
+    energy["pigment"] = 2.0
+    for kept, first in (
+        *((a, before[0]) for a in (told.sigma, told.coverage, stops.sigma)),
+        (found.coefficients, before[1]),
+    ):
+        assert np.array_equal(kept, first, equal_nan=True)
+        assert not kept.flags.writeable
+    assert found.energy == {"pigment": 1.0}
+    with pytest.raises(TypeError):
+        found.energy["pigment"] = 3.0  # type: ignore[index]
+
+
+def test_pigments_keep_what_no_one_can_change():
+    numbers, directions = np.ones(4), np.ones((2, 3))
+    densities = Pigments(numbers, numbers, directions)
+    pairs = PigmentGradients(np.zeros((2, 2), np.intp), np.zeros(2, bool))
+    numbers += 1.0
+    assert (densities.melanin == 1.0).all()
+    for array in (densities.melanin, densities.directions, pairs.pairs, pairs.is_melanin):
+        assert not array.flags.writeable
+
+
+def test_an_estimate_goes_from_process_to_process():
+    found = Estimate(Outcome.CALIBRATED, "face", "", energy={"pigment": 1.0})
+    for again in (pickle.loads(pickle.dumps(found)), copy.deepcopy(found), replace(found)):  # noqa: S301
+        assert again.energy == {"pigment": 1.0}
+        assert again.outcome is Outcome.CALIBRATED

@@ -14,10 +14,11 @@ from facecrf_ocio.published.energy.monotonicity import Monotonicity
 from facecrf_ocio.published.energy.pigment import PigmentPairs, PullBack, SkinPigment
 from facecrf_ocio.published.face_estimator import AnalyzedFace, analyze_face, pigment_pairs
 from facecrf_ocio.published.gradients import single_pigment_pairs
+from facecrf_ocio.published.pigments import Pigments
 from facecrf_ocio.published.solve import Weighted, solve
 from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.values import Float, InverseCRF, Photo, Pigments
+from facecrf_ocio.values import Float, InverseCRF, Photo
 
 _WHOLLY_SKIN = 0.99
 _ANY_HUE = 180.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from facecrf_ocio.checks import span_colors
 from facecrf_ocio.values import Primaries
 
 D65 = (0.3127, 0.3290)
@@ -30,9 +31,14 @@ def known_primaries(name: str, source: str) -> Primaries:
     return Primaries(name, *KNOWN_PRIMARIES[name], source)
 
 
-def name_primaries(chromaticities: npt.ArrayLike, source: str) -> Primaries:
-    """Name the known set that (4, 2) CIE xy of red, green, blue, white belong to, or `custom`."""
+def name_primaries(chromaticities: npt.ArrayLike, source: str) -> Primaries | None:
+    """Name the known set that (4, 2) CIE xy of red, green, blue, white belong to, or `custom`.
+
+    None if they span no colors: a file that says so says nothing.
+    """
     xy = np.asarray(chromaticities, float).reshape(4, 2)
+    if not span_colors(xy.tolist()):
+        return None
     for name, known in KNOWN_PRIMARIES.items():
         if np.abs(xy - np.array(known)).max() < _SAME_XY:
             return known_primaries(name, source)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 
 import cv2
@@ -11,7 +12,7 @@ import numpy.typing as npt
 from facecrf_ocio.face import regions
 from facecrf_ocio.face.networks import MODELS
 from facecrf_ocio.face.rasterize import interpolate, rasterize, vertex_normals
-from facecrf_ocio.values import Bool, Face, FaceGeometry, Float, frozen
+from facecrf_ocio.values import Bool, Face, Float, frozen
 
 _MESH_VERTICES = 468  # the landmarks after these are the irises, which the mesh does not have
 
@@ -29,6 +30,28 @@ _FEATURE_MARGINS = (
 )
 _OUTLINE_MARGIN = 0.03  # hair falls over the forehead, and the jaw's edge is uncertain
 _STEEPEST = float(np.cos(np.radians(75.0)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FaceGeometry:
+    """The mesh of one face, rasterized onto an image grid of (H, W) pixels.
+
+    Attributes
+    ----------
+    vertices
+        (V, 3) in pixels of that grid; x right, y down, z away from the camera.
+    triangles
+        (F, 3) vertex indices.
+    normals
+        (H, W, 3) unit normals, x right, y up, z toward the camera; NaN outside of the mesh.
+    bare_skin
+        (H, W) inside the mesh, without eyes, brows, lips and nostrils.
+    """
+
+    vertices: Float
+    triangles: npt.NDArray[np.int32]
+    normals: npt.NDArray[np.float32]
+    bare_skin: Bool
 
 
 def face_geometry(

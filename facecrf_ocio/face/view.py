@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.face.detect import FoundFaces
-from facecrf_ocio.face.geometry import face_geometry
+from facecrf_ocio.face.geometry import FaceGeometry, face_geometry
 from facecrf_ocio.photo.pixels import in_8_bits
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.values import Face, FaceGeometry, Lacking, Photo
+from facecrf_ocio.values import Face, Lacking, Photo
 
 MIN_SKIN_PIXELS = 400
 

@@ -12,14 +12,8 @@ from facecrf_ocio.color.adaptation import adapted, white_xyz
 from facecrf_ocio.color.primaries import D50, D65, name_primaries
 from facecrf_ocio.values import Float, Primaries
 
-_LARGEST_XY = 2.0
-"""[CIE xy] of primaries; the widest in use, of cameras, stay below 1.6."""
-
 _WHITE_XYZ = 0.05
 """[XYZ, white's Y is 1] by which the colorants' sum may miss white; makers round to 0.005."""
-
-_SMALLEST_TRIANGLE = 1e-3
-"""[CIE xy squared] twice the area between primaries; that of Rec.709 is 0.22."""
 
 
 def primaries_from_icc(profile: bytes) -> Primaries | None:
@@ -83,11 +77,6 @@ def _named(colorants: Float, matrix: Float) -> Primaries | None:
     try:
         xy = _unadapted(colorants, matrix)
     except np.linalg.LinAlgError:
-        return None
-    if not np.isfinite(xy).all() or np.abs(xy).max() > _LARGEST_XY:
-        return None
-    (x1, y1), (x2, y2) = xy[1] - xy[0], xy[2] - xy[0]
-    if abs(x1 * y2 - x2 * y1) < _SMALLEST_TRIANGLE:
         return None
     return name_primaries(xy, "ICC profile")
 

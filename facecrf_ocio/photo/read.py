@@ -140,7 +140,8 @@ def _read_image(file: PhotoFile, picture: Picture, sha256: str) -> Photo:
         bit_depth=_bit_depth(spec, bits),
         scene_linear=scene_linear,
         grayscale=len(channels) == 1 or is_gray(encoded),
-        alpha=alpha,
+        # Filters of renderers overshoot a little; colors are divided by what the file has.
+        alpha=None if alpha is None else frozen(alpha.clip(0.0, 1.0), np.float32),
         primaries=primaries_of(spec, icc),
         camera=_camera(spec),
         path=path,

@@ -12,9 +12,9 @@ from facecrf_ocio.face.skin_mask import SkinMask, find_skin
 from facecrf_ocio.face.view import MIN_SKIN_PIXELS, FaceView, count_faces, cut_face, lacking_faces
 from facecrf_ocio.published.answer import Answer, EnergyTerms
 from facecrf_ocio.published.energy.pigment import PigmentPairs, SkinPigment
-from facecrf_ocio.published.gradients import single_pigment_pairs
+from facecrf_ocio.published.gradients import PigmentGradients, single_pigment_pairs
 from facecrf_ocio.published.intrinsic import Decomposition, prepare_decomposition
-from facecrf_ocio.published.pigments import separate_pigments
+from facecrf_ocio.published.pigments import Pigments, separate_pigments
 from facecrf_ocio.published.solve import Weighted
 from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.settings import Settings
@@ -22,8 +22,6 @@ from facecrf_ocio.values import (
     Float,
     Lacking,
     Photo,
-    PigmentGradients,
-    Pigments,
 )
 
 NODE_SPACING = 1.0 / 255.0

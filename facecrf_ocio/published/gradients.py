@@ -2,10 +2,33 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
+from facecrf_ocio.published.pigments import Pigments
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.values import Bool, Index, PigmentGradients, Pigments
+from facecrf_ocio.values import Bool, Index, frozen
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PigmentGradients:
+    """Neighboring skin pixels that differ in one pigment alone (eq. 25).
+
+    Attributes
+    ----------
+    pairs
+        (N, 2) indices of both pixels into the face's list of pixels.
+    is_melanin
+        (N,) True where melanin alone changes, False where hemoglobin alone does.
+    """
+
+    pairs: Index
+    is_melanin: Bool
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "pairs", frozen(self.pairs, np.intp))
+        object.__setattr__(self, "is_melanin", frozen(self.is_melanin, bool))
 
 
 def single_pigment_pairs(

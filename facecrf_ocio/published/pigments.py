@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from facecrf_ocio.values import Bool, Float, Index, Pigments
+from facecrf_ocio.values import Bool, Float, Index, frozen
 
 ANGLES = 36
 FINER = 5
@@ -12,6 +14,28 @@ GAUSSIAN_LOG_COSH = 0.3745672  # mean of log cosh of a standard normal variable
 # Both pigments raise log R/G and lower log B/G, melanin by the ratio 0.6, hemoglobin by 3 or more;
 # this direction lies between them.
 REDDENING = np.array([np.sin(np.radians(50.0)), np.cos(np.radians(50.0))])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pigments:
+    """Pigment densities of the skin and the directions that name them (eq. 24).
+
+    Attributes
+    ----------
+    melanin, hemoglobin
+        (N,) relative optical density of each skin pixel, in units of `directions`.
+    directions
+        (2, 3) unit vectors in log RGB, melanin first, pointing toward *less* light (negative
+        for absorption).
+    """
+
+    melanin: Float
+    hemoglobin: Float
+    directions: Float
+
+    def __post_init__(self) -> None:
+        for name in ("melanin", "hemoglobin", "directions"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
 
 
 def separate_pigments(log_albedo: Float, diffuse: Bool, neighbors: Index) -> Pigments:

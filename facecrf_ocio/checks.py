@@ -1,0 +1,148 @@
+"""What arrays and numbers from outside must be before they become a photo."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from facecrf_ocio.errors import PhotoError
+
+MOST_BITS = 32
+"""[bit] No integer file has wider code values, and float32 could not tell theirs apart."""
+LEAST_SHARE = 0.01
+"""Share of white's X + Y + Z that each primary must give at least. Of Rec.709, Rec.2020, Adobe RGB,
+ProPhoto, ACES and two camera gamuts the smallest is 0.19; near 0 white lies at the edge."""
+LARGEST_XY = 2.0
+"""[CIE xy] of primaries; the widest in use, of cameras, stay below 1.6."""
+SMALLEST_TRIANGLE = 1e-3
+"""[CIE xy squared] Twice the area between primaries; that of Rec.709 is 0.22."""
+
+
+def checked_pixels(
+    given: npt.ArrayLike, path: Path | None, *, scene_linear: bool
+) -> npt.NDArray[np.float32]:
+    """(H, W, 3) float32 of pixels that are finite, and in [0, 1] unless they are linear light.
+
+    Raises
+    ------
+    PhotoError
+        If they are something else.
+    """
+    _refuse_mask(given, path)
+    array = np.asarray(given)
+    if array.ndim != 3 or array.shape[2] != 3 or 0 in array.shape:
+        raise PhotoError(
+            path,
+            f"an array of shape {array.shape} is not a photo",
+            "give an array of shape (height, width, 3)",
+        )
+    if not np.issubdtype(array.dtype, np.floating):
+        raise PhotoError(
+            path,
+            f"code values of type {array.dtype} have no known maximum",
+            "divide them by the maximum code (255 or 65535) and give floats in [0, 1]",
+        )
+    encoded = np.asarray(array, dtype=np.float32)
+    low, high = float(encoded.min()), float(encoded.max())
+    if not (np.isfinite(low) and np.isfinite(high)):
+        raise PhotoError(
+            path,
+            "has NaN or infinite pixels",
+            "replace them (oiiotool --fixnan box3) and try again",
+        )
+    if not scene_linear and (low < 0.0 or high > 1.0):
+        raise PhotoError(
+            path,
+            f"has encoded values from {low:.3g} to {high:.3g}, outside of 0 to 1",
+            "scale them to [0, 1], or pass scene_linear=True if they are linear light",
+        )
+    return encoded
+
+
+def checked_alpha(
+    given: npt.ArrayLike, shape: tuple[int, ...], path: Path | None
+) -> npt.NDArray[np.float32]:
+    """(H, W) float32 of alpha in [0, 1] for pixels of shape (H, W, 3).
+
+    Raises
+    ------
+    PhotoError
+        If it is something else.
+    """
+    _refuse_mask(given, path)
+    array = np.asarray(given)
+    if array.shape != shape[:2] or not np.issubdtype(array.dtype, np.floating):
+        raise PhotoError(
+            path,
+            f"alpha of shape {array.shape} and type {array.dtype} does not fit pixels of {shape}",
+            f"give floats of shape {shape[:2]}, or alpha=None",
+        )
+    alpha = np.asarray(array, dtype=np.float32)
+    low, high = float(alpha.min()), float(alpha.max())
+    if not (low >= 0.0 and high <= 1.0):  # as NaN does not
+        raise PhotoError(
+            path,
+            f"has alpha from {low:.3g} to {high:.3g}, outside of 0 to 1",
+            "scale it to [0, 1], or pass alpha=None",
+        )
+    return alpha
+
+
+def check_bit_depth(bits: Any, path: Path | None) -> None:
+    """Refuse a bit depth that is neither None nor a number of bits.
+
+    Raises
+    ------
+    PhotoError
+        If it is not.
+    """
+    whole = isinstance(bits, (int, np.integer)) and not isinstance(bits, bool)
+    if bits is not None and not (whole and 1 <= bits <= MOST_BITS):
+        raise PhotoError(
+            path,
+            f"{bits!r} is no bit depth",
+            f"give the bits of its integer codes, 1 to {MOST_BITS}, or None for floating point",
+        )
+
+
+def check_primaries(chromaticities: Sequence[Sequence[float]], path: Path | None) -> None:
+    """Refuse primaries and white (4 of CIE xy) that span no colors.
+
+    Raises
+    ------
+    PhotoError
+        If they do not.
+    """
+    if not span_colors(chromaticities):
+        raise PhotoError(
+            path,
+            "its primaries and white span no colors",
+            "give the CIE xy of three primaries around a white, or primaries=None",
+        )
+
+
+def span_colors(chromaticities: Sequence[Sequence[float]]) -> bool:
+    """Whether red, green, blue and white (4 of CIE xy) are a triangle around white."""
+    xy = np.asarray(chromaticities, dtype=np.float64)
+    if xy.shape != (4, 2) or not (np.abs(xy) <= LARGEST_XY).all():  # as NaN is not
+        return False
+    (x1, y1), (x2, y2) = xy[1] - xy[0], xy[2] - xy[0]
+    if abs(x1 * y2 - x2 * y1) < SMALLEST_TRIANGLE:
+        return False
+    xyz = np.column_stack([xy, 1.0 - xy.sum(axis=1)])
+    shares = np.linalg.solve(xyz[:3].T, xyz[3])
+    return bool((shares > LEAST_SHARE).all() and xy[3, 1] > 0.0)
+
+
+def _refuse_mask(given: object, path: Path | None) -> None:
+    """Refuse masked arrays, whose mask NumPy would drop without a word."""
+    if isinstance(given, np.ma.MaskedArray):
+        raise PhotoError(
+            path,
+            "a masked array says nothing of the pixels it hides",
+            "fill them (array.filled), or calibrate a part without a mask",
+        )
