@@ -151,11 +151,12 @@ class TestMetadata:
         expected = np.ravel(KNOWN_PRIMARIES[name])
         assert np.allclose(header.getattribute("chromaticities"), expected, atol=1e-6)
 
-    def test_assumed_primaries_say_so(self, tmp_path: Path) -> None:
+    def test_primaries_that_nobody_told_are_not_guessed(self, tmp_path: Path) -> None:
         photo = Photo(np.zeros((2, 3, 3), np.float32))
         header = header_of(write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={}))
-        assert header.get_string_attribute("facecrf:primaries") == "assumed Rec.709"
-        assert header.get_string_attribute("colorInteropID") == "lin_rec709_scene"
+        assert header.get_string_attribute("facecrf:primaries") == "unknown"
+        assert header.get_string_attribute("colorInteropID") == "unknown"
+        assert header.getattribute("chromaticities") is None
 
     def test_the_source_may_be_gone(self, tmp_path: Path, jpeg: Path) -> None:
         photo = read_photo(jpeg)

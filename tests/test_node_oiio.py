@@ -251,6 +251,7 @@ class TestTags:
             ({}, "unknown"),
             ({"oiio__ColorSpace": "srgb_rec709_scene"}, "lin_rec709_scene"),
             ({"Exif__ColorSpace": 1}, "lin_rec709_scene"),
+            ({"colorInteropID": "srgb_rec709_scene"}, "lin_rec709_scene"),
             ({"oiio__ColorSpace": "srgb_p3d65_scene"}, "lin_p3d65_scene"),
         ],
     )
@@ -267,8 +268,19 @@ class TestTags:
         assert spec.get_string_attribute("oiio:ColorSpace") == "lin_rec2020_scene"
         assert not [a.name for a in spec.extra_attribs if a.name.startswith("ICCProfile")]
 
-    def test_luts_that_mix_channels_are_unknown_unless_told(self, tmp_path: Path) -> None:
+    def test_a_jpeg_that_tells_nothing_is_not_called_srgb(self, tmp_path: Path, lut: Path) -> None:
+        image = oiio.ImageBuf(str(write(tmp_path / "a.jpg", random_codes(), oiio.UINT8)))
+        assert image.spec().get_string_attribute("oiio:ColorSpace") == "srgb_rec709_scene"
+        assert linearize(image, lut).spec().get_string_attribute("oiio:ColorSpace") == "unknown"
+
+    def test_luts_say_themselves_where_they_lead(self, tmp_path: Path) -> None:
         lut = write_lut(CURVE, tmp_path / "a.clf", space="acescg")
+        image = image_of(oiio.UINT8)
+        spec = linearize(image, lut).spec()
+        assert spec.get_string_attribute("oiio:ColorSpace") == "lin_ap1_scene"
+
+    def test_luts_that_mix_channels_are_unknown_unless_told(self, tmp_path: Path) -> None:
+        lut = write_mixing_lut(tmp_path / "a.clf")
         image = image_of(oiio.UINT8, oiio__ColorSpace="srgb_rec709_scene")
         assert linearize(image, lut).spec().get_string_attribute("oiio:ColorSpace") == "unknown"
         told = linearize(image, lut, dtype=oiio.FLOAT, colorspace="lin_ap1_scene")
@@ -279,6 +291,15 @@ class TestTags:
         spec = linearize(image_of(oiio.UINT8, Make="ACME", Orientation=6), lut).spec()
         assert spec.get_string_attribute("Make") == "ACME"
         assert spec.get_int_attribute("Orientation") == 6
+
+
+def write_mixing_lut(path: Path) -> Path:
+    """A matrix that leads to no known space."""
+    path.write_text(
+        '<ProcessList compCLFversion="3" id="a"><Matrix inBitDepth="32f" outBitDepth="32f">'
+        '<Array dim="3 3">0.5 0.5 0 0 1 0 0 0.1 0.9</Array></Matrix></ProcessList>'
+    )
+    return path
 
 
 def command(*arguments: object) -> int:
@@ -303,7 +324,7 @@ class TestCommand:
         spec = oiio.ImageBuf(str(tmp_path / "b.exr")).spec()
         assert spec.format.basetype == oiio.HALF
         assert spec.get_string_attribute("compression") == "piz"
-        assert spec.get_string_attribute("colorInteropID") == "lin_rec709_scene"
+        assert spec.get_string_attribute("colorInteropID") == "unknown"
         assert spec.get_string_attribute("Make") == "ACME"
 
     def test_straight_alpha_is_multiplied(self, tmp_path: Path, lut: Path) -> None:

@@ -92,25 +92,39 @@ def linearize(
 @main.command()
 @click.argument("photo", type=PHOTO_PATH)
 @click.option("--lut", required=True, type=TEXT_PATH, help="Any LUT file OpenColorIO reads.")
+@click.option(
+    "--direction",
+    type=click.Choice(("linearize", "encode")),
+    help="Toward light, for which a LUT that encodes is inverted, or away from it. Needed only "
+    "for a LUT that encodes; ICC profiles go from the device to CIE XYZ.",
+)
 @exr_options
 @click.option("--overwrite", is_flag=True, help="Replace an existing EXR.")
 @ending_well
 def apply(
-    photo: Path, lut: Path, output: Path, half: bool, compression: str, overwrite: bool
+    photo: Path,
+    lut: Path,
+    direction: str | None,
+    output: Path,
+    half: bool,
+    compression: str,
+    overwrite: bool,
 ) -> int:
-    """Send PHOTO through a LUT made before and write it as a scene-linear EXR."""
+    """Send PHOTO through a LUT made before and write it as a scene-linear EXR.
+
+    The EXR's color space is the one that the LUT's own records name; of a LUT that keeps the
+    channels apart, PHOTO's primaries; else `unknown`.
+    """
     from facecrf_ocio import read_photo
-    from facecrf_ocio.image.apply import linear_rows, write_exr
-    from facecrf_ocio.image.lut_lookup import lut_lookup
+    from facecrf_ocio.image.linearize import write_through_lut
 
     _require_exr_free(output, overwrite=overwrite)
     with status(f"applying {lut}"):
-        source = read_photo(photo)
-        written = write_exr(
+        written = write_through_lut(
             output,
-            linear_rows(source, lut_lookup(lut), half=half),
-            source,
-            provenance={"lut": lut.name, "version": __version__},
+            read_photo(photo),
+            lut,
+            direction=direction,
             half=half,
             compression=compression,
             overwrite=overwrite,

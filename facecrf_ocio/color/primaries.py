@@ -21,6 +21,10 @@ KNOWN_PRIMARIES = {
     "ProPhoto": ((0.7347, 0.2653), (0.1596, 0.8404), (0.0366, 0.0001), D50),
 }
 
+# The space itself, as primaries of which RGB is XYZ. OpenColorIO's profiles lead there, D65 being
+# white; as an attribute of a file the white must be E, or readers would scale the axes.
+CIE_XYZ = Primaries("CIE XYZ", (1.0, 0.0), (0.0, 1.0), (0.0, 0.0), (1 / 3, 1 / 3), "ICC profile")
+
 # Profiles round their colorants to 1/65536 of XYZ and their makers' arithmetic differs by some
 # 0.001 in xy, while no two sets above are nearer to each other than 0.04.
 _SAME_XY = 0.004

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.color.adaptation import XY, bradford, rgb_to_xyz
-from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
+from facecrf_ocio.color.primaries import CIE_XYZ, D65, KNOWN_PRIMARIES
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.values import Primaries
 
@@ -62,6 +62,10 @@ def working_space_matrix(primaries: Primaries | None, name: str) -> npt.NDArray[
     target, target_white = [space.red, space.green, space.blue], space.white
     if primaries is None:
         *source, source_white = KNOWN_PRIMARIES["Rec.709"]
+    elif primaries.name == CIE_XYZ.name:
+        return np.asarray(
+            np.linalg.inv(bradford(target_white, D65) @ rgb_to_xyz(target, target_white))
+        )
     else:
         source = [primaries.red, primaries.green, primaries.blue]
         source_white = primaries.white

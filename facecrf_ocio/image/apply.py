@@ -47,15 +47,20 @@ def linearize_photo(photo: Photo, curve: InverseCRF) -> Float32:
     return photo.encoded if photo.scene_linear else _whole(photo, curve_lookup(curve))
 
 
-def apply_lut(photo: Photo, lut: str | Path) -> Float32:
+def apply_lut(photo: Photo, lut: str | Path, direction: str | None = None) -> Float32:
     """Send a photo through a LUT file, as `oiiotool PHOTO --ociofiletransform LUT` does.
+
+    Only an ICC profile goes the other way, toward light; see `lut_lookup.lut_lookup`, also for
+    where inverses differ.
 
     Parameters
     ----------
     photo
         The photo, scene-linear or not.
     lut
-        Any file OpenColorIO reads; used forward. Values outside of its domain are clamped.
+        Any file OpenColorIO reads. Values outside of its domain are clamped.
+    direction
+        `linearize` or `encode`; None refuses LUTs that encode.
 
     Returns
     -------
@@ -65,9 +70,10 @@ def apply_lut(photo: Photo, lut: str | Path) -> Float32:
     Raises
     ------
     LutError
-        If the file is missing, is not a LUT, or gives NaN or infinities.
+        If the file is missing, is not a LUT, encodes though no direction is given, or makes NaN
+        or infinities of codes.
     """
-    return _whole(photo, lut_lookup(lut))
+    return _whole(photo, lut_lookup(lut, direction))
 
 
 def linear_rows(photo: Photo, lookup: Lookup, *, half: bool = True) -> Rows:

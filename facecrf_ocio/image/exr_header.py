@@ -9,7 +9,7 @@ from typing import Any
 
 import OpenImageIO as oiio  # noqa: N813
 
-from facecrf_ocio.color.primaries import known_primaries
+from facecrf_ocio.color.primaries import CIE_XYZ
 from facecrf_ocio.files.plain_text import complaint, plain_text
 from facecrf_ocio.photo.picture import PhotoFile, open_picture
 from facecrf_ocio.values import Photo, Primaries
@@ -22,6 +22,7 @@ _INTEROP_ID = {
     "Adobe RGB": "lin_adobergb_scene",
     "AP1": "lin_ap1_scene",
     "AP0": "lin_ap0_scene",
+    CIE_XYZ.name: "lin_ciexyzd65_scene",
 }
 # What the source says of its own encoding, layout and upbringing, none of which is true of the
 # EXR: its pixels are linear, upright and in other types. Maker notes hold offsets into the source.
@@ -52,16 +53,19 @@ def exr_header(
     if not header.get_string_attribute("DateTime"):
         # Else the writer puts the time of writing there, and no two files are equal.
         header.attribute("DateTime", "")
-    primaries = photo.primaries or known_primaries("Rec.709", "assumed")
-    tag_primaries(header, primaries)
-    notes = {"primaries": _primaries_note(primaries), **provenance}
+    tag_primaries(header, photo.primaries)
+    notes = {"primaries": _primaries_note(photo.primaries), **provenance}
     for name, value in notes.items():
         header.attribute(f"facecrf:{name}", value)
     return header
 
 
-def tag_primaries(header: oiio.ImageSpec, primaries: Primaries) -> None:
-    """Say that the pixels are scene-linear and of these primaries."""
+def tag_primaries(header: oiio.ImageSpec, primaries: Primaries | None) -> None:
+    """Say that the pixels are scene-linear and of these primaries, or, with None, nothing."""
+    if primaries is None:
+        tag_color_space(header, "unknown")
+        header.erase_attribute("chromaticities")
+        return
     tag_color_space(header, _INTEROP_ID.get(primaries.name, "unknown"))
     header.attribute("chromaticities", oiio.TypeDesc("float[8]"), _chromaticities(primaries))
 
@@ -111,7 +115,9 @@ def _chromaticities(primaries: Primaries) -> tuple[float, ...]:
     return (*primaries.red, *primaries.green, *primaries.blue, *primaries.white)
 
 
-def _primaries_note(primaries: Primaries) -> str:
+def _primaries_note(primaries: Primaries | None) -> str:
+    if primaries is None:
+        return "unknown"
     if primaries.source == "assumed":
         return f"assumed {primaries.name}"
     return f"{primaries.name} by {primaries.source}"

@@ -8,12 +8,12 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from facecrf_ocio import __version__
 from facecrf_ocio.color.working_space import working_primaries, working_space_matrix
 from facecrf_ocio.image.apply import Pixels, Rows, linear_rows, write_exr
 from facecrf_ocio.image.lookup import curve_lookup
+from facecrf_ocio.image.lut_lookup import lut_lookup
+from facecrf_ocio.record.provenance import of_estimate, of_lut
 from facecrf_ocio.values import Estimate, Photo
-from facecrf_ocio.wording.sentence import sentence
 
 
 def write_linear(
@@ -38,14 +38,7 @@ def write_linear(
     OutputError
         If the file exists and `overwrite` is false, or it cannot be written.
     """
-    provenance = {
-        "outcome": str(estimate.outcome),
-        "estimator": estimate.estimator,
-        "version": __version__,
-    }
-    if estimate.confidence is not None:
-        provenance["confidence"] = str(estimate.confidence.verdict)
-        provenance["summary"] = sentence(estimate)
+    provenance = of_estimate(photo, estimate)
     # A matrix wants more than half floats of what it is given.
     rows = linear_rows(photo, curve_lookup(estimate.curve), half=half and not space)
     linear: Pixels | Rows = photo.encoded if photo.scene_linear else rows
@@ -56,6 +49,42 @@ def write_linear(
         linear,
         photo,
         provenance=provenance,
+        half=half,
+        compression=compression,
+        overwrite=overwrite,
+    )
+
+
+def write_through_lut(
+    path: Path,
+    photo: Photo,
+    lut: Path,
+    *,
+    direction: str | None = None,
+    half: bool = True,
+    compression: str = "zip",
+    overwrite: bool = False,
+) -> Path:
+    """Send a photo through a LUT file and write the result; see `apply.write_exr`.
+
+    Parameters
+    ----------
+    direction
+        See `lut_lookup.lut_lookup`, which also says what color space comes out.
+
+    Raises
+    ------
+    LutError
+        As `lut_lookup.lut_lookup` does, or if codes become NaN or infinite.
+    OutputError
+        If the file exists and `overwrite` is false, or it cannot be written.
+    """
+    lookup = lut_lookup(lut, direction)
+    return write_exr(
+        path,
+        linear_rows(photo, lookup, half=half),
+        replace(photo, primaries=lookup.leads_to(photo.primaries)),
+        provenance=of_lut(photo, lut, direction or "linearize"),
         half=half,
         compression=compression,
         overwrite=overwrite,

@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.errors import LutError, SettingsError
+from facecrf_ocio.image.reach import bring_back, some_lost
 from facecrf_ocio.values import InverseCRF
 
 Pixels = npt.NDArray[Any]
@@ -44,7 +45,9 @@ class Lookup:
         Whether each channel of the result depends on that channel alone. Without it there are no
         tables.
     name
-        What to call the transform in the error for NaN or infinite results; None passes them on.
+        What to call the transform in the error for codes that become NaN or infinite; None passes
+        such results on. Of a transform with a name, colors beyond the codes that become so are
+        taken for the brightest, or darkest, on the way there from the codes that do not.
     """
 
     def __init__(
@@ -93,7 +96,7 @@ class Lookup:
         SettingsError
             If types or shapes are none of these, or gray is sent through unlike curves.
         LutError
-            If a result is NaN or infinite and the transform has a name.
+            If a code from 0 to 1 becomes NaN or infinite and the transform has a name.
         """
         out = np.empty(pixels.shape, dtype) if out is None else out
         _check(pixels, out, color)
@@ -130,7 +133,8 @@ class Lookup:
         table[:, work.color] = result
         infinite = None
         if not np.isfinite(result).all():
-            infinite = ~np.isfinite(table)
+            # What was not finite before is no fault of the transform.
+            infinite = ~np.isfinite(table) & np.isfinite(values)[:, None]
         return _Table(_half(table, work.color) if dtype == np.float16 else table, infinite)
 
     def _compute(self, pixels: Pixels, out: Pixels, work: _Work) -> None:
@@ -150,13 +154,13 @@ class Lookup:
         given = np.ascontiguousarray(pixels)
         if out.flags.c_contiguous and not np.may_share_memory(given, out):
             self._transform(given, out)
-            if out.dtype == np.float32:
-                self._require_finite(out)
-                return
-            if not _is_infinite_half(out):
+            if out.dtype == np.float32 and self._name is not None:
+                bring_back(self._transform, given, out)
+                self._require_finite(given, out)
+            if out.dtype == np.float32 or not _is_infinite_half(out):
                 return
         result = self._transformed(given, work)
-        self._require_finite(result)
+        self._require_finite(given, result)
         out[...] = _half(result, work.color) if out.dtype == np.float16 else result
 
     def _band(self, pixels: Pixels, out: Pixels, work: _Work) -> None:
@@ -168,7 +172,7 @@ class Lookup:
             coverage = np.where(coverage > 0, coverage, np.float32(1))
             given /= coverage
         result = self._transformed(given, work)
-        self._require_finite(result)
+        self._require_finite(given[..., : result.shape[2]], result)
         values[..., work.color] = result * coverage
         out[...] = _half(values, work.color) if out.dtype == np.float16 else values
 
@@ -176,6 +180,8 @@ class Lookup:
         """(H, W, 1 or 3) of (H, W, 3)."""
         result = np.empty_like(given)
         self._transform(given, result)
+        if self._name is not None:
+            bring_back(self._transform, given, result)
         if len(work.color) == 3:
             return result
         gray = result[..., :1]
@@ -186,8 +192,8 @@ class Lookup:
             )
         return gray
 
-    def _require_finite(self, colors: Float32) -> None:
-        if self._name is not None and not np.isfinite(colors.sum(dtype=np.float64)):
+    def _require_finite(self, given: Float32, result: Float32) -> None:
+        if self._name is not None and some_lost(given, result):
             raise self._broken()
 
     def _broken(self) -> LutError:

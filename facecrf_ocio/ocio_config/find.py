@@ -10,8 +10,8 @@ from pathlib import Path
 from facecrf_ocio.errors import LutError, reason_of
 from facecrf_ocio.image.lut_lookup import lut_processor
 from facecrf_ocio.lut.format_table import config_suffixes
-from facecrf_ocio.lut.write import split_ending
-from facecrf_ocio.record.sidecar import SUFFIX, Source, read_source
+from facecrf_ocio.lut.records import lut_records, space_by_matrix
+from facecrf_ocio.record.lut_names import Records, Told, told_of
 from facecrf_ocio.values import Primaries
 
 
@@ -33,6 +33,10 @@ class PhotoLut:
         Working space it leads to; empty for the photo's own linear RGB.
     primaries
         The photo's, where the record tells them.
+    leads_to
+        Linear RGB that the LUT's own records name; None where they name none.
+    mixes
+        Whether the result's channels depend on each other, as behind a matrix.
     """
 
     path: Path
@@ -41,6 +45,8 @@ class PhotoLut:
     folders: tuple[str, ...] = ()
     space: str = ""
     primaries: Primaries | None = None
+    leads_to: Primaries | None = None
+    mixes: bool = False
 
 
 def find_luts(paths: Sequence[Path]) -> tuple[PhotoLut, ...]:
@@ -52,7 +58,8 @@ def find_luts(paths: Sequence[Path]) -> tuple[PhotoLut, ...]:
     Raises
     ------
     LutError
-        If a LUT is missing or cannot be read, encodes though it was named, or none is left.
+        If a LUT is missing or cannot be read, encodes, or none is left. Those in a folder that
+        encode by their names are left out.
     """
     try:
         found = _found(tuple(map(Path, paths)))
@@ -69,52 +76,47 @@ def find_luts(paths: Sequence[Path]) -> tuple[PhotoLut, ...]:
             home.relative_to(shared).parts,
             told.space,
             None if told.source is None else told.source.primaries,
+            *_way(lut, told),
         )
         for (lut, told), home in zip(found.items(), homes, strict=True)
     )
 
 
-def _found(paths: Sequence[Path]) -> dict[Path, _Told]:
-    found: dict[Path, _Told] = {}
-    records: _Records = {}
+def _found(paths: Sequence[Path]) -> dict[Path, Told]:
+    found: dict[Path, Told] = {}
+    records: Records = {}
     for path in paths:
         if path.is_dir():
             found |= dict(_in_folder(path, records))
         else:
-            told = _told(path, records)
+            told = told_of(path, records)
             if told.encodes:
                 raise LutError(f"{path}: it encodes; name the LUT that linearizes")
             found[path] = told
     if not found:
         raise LutError(f"{', '.join(map(str, paths))}: no LUT; name a LUT or a folder of them")
-    for lut in found:
-        lut_processor(lut)
     return found
 
 
-@dataclass(frozen=True, slots=True)
-class _Told:
-    """What the name of a LUT and the record beside it tell."""
-
-    stem: str
-    space: str
-    encodes: bool
-    source: Source | None
-
-
-# What records tell, by their paths: each is read once.
-_Records = dict[Path, tuple[Source, tuple[str, ...]]]
+def _way(lut: Path, told: Told) -> tuple[Primaries | None, bool]:
+    """The linear RGB a LUT says it leads to, and whether it mixes channels."""
+    processor = lut_processor(lut)
+    records = lut_records(processor, encodes="its name" if told.encodes else "")
+    if records.encodes:
+        raise LutError(f"{lut}: it encodes, by {records.encodes}; name the LUT that linearizes")
+    mixes = bool(processor.hasChannelCrosstalk())
+    return records.after or space_by_matrix(processor), mixes
 
 
-def _in_folder(folder: Path, records: _Records) -> Iterator[tuple[Path, _Told]]:
+def _in_folder(folder: Path, records: Records) -> Iterator[tuple[Path, Told]]:
     """The LUT of each photo below a folder, in the order of their names."""
     suffixes = config_suffixes()
-    best: dict[Path, tuple[tuple[bool, int, int], Path, _Told]] = {}
+    best: dict[Path, tuple[tuple[bool, int, int], Path, Told]] = {}
     for lut in sorted(folder.rglob("*")):
         suffix = lut.suffix.lower()
         if suffix not in suffixes or not lut.is_file():
             continue
-        told = _told(lut, records)
+        told = told_of(lut, records)
         if told.encodes:
             continue
         rank = (told.space != "", suffixes.index(suffix), len(lut.name))
@@ -124,29 +126,3 @@ def _in_folder(folder: Path, records: _Records) -> Iterator[tuple[Path, _Told]]:
     for photo in sorted(best):
         _, lut, told = best[photo]
         yield lut, told
-
-
-def _told(lut: Path, records: _Records) -> _Told:
-    """Go by the record that lists the LUT; without one, by how our files are named."""
-    readings = list(_readings(lut.name))
-    for stem, space, encodes in readings:
-        record = lut.parent / f"{stem}{SUFFIX}"
-        if record not in records and record.is_file():
-            records[record] = read_source(record)
-        if record in records and lut.name in records[record][1]:
-            return _Told(stem, space, encodes, records[record][0])
-    stem, space, encodes = readings[-1]
-    return _Told(stem, space, encodes, None)
-
-
-def _readings(name: str) -> Iterator[tuple[str, str, bool]]:
-    """What a name may mean as stem, working space, whether it encodes; the longest stem first."""
-    *parts, suffix = name.split(".")
-    yield ".".join(parts), "", False
-    for count in range(1, min(len(parts), 4)):
-        stem, ending = parts[:-count], [*parts[-count:], suffix.lower()]
-        try:
-            space, direction, _ = split_ending(".".join(ending))
-        except LutError:
-            continue
-        yield ".".join(stem), space, direction == "encode"

@@ -12,7 +12,7 @@ from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.errors import PhotoError, SettingsError
 from facecrf_ocio.image.exr_header import still_holds, tag_color_space, tag_primaries
 from facecrf_ocio.image.lookup import Lookup
-from facecrf_ocio.image.lut_lookup import lut_lookup
+from facecrf_ocio.image.lut_lookup import LutLookup, lut_lookup
 from facecrf_ocio.photo.read import alpha_channel, color_channels, icc_profile, primaries_of
 from facecrf_ocio.values import Primaries
 from facecrf_oiio.store import can_store, store
@@ -40,7 +40,8 @@ def linearize(
     image
         Of any pixel type but deep; not changed.
     lut
-        A LUT file, or what `facecrf_ocio.image.lut_lookup.lut_lookup` made of it.
+        A LUT file, or what `facecrf_ocio.image.lut_lookup.lut_lookup` made of it, where one that
+        encodes can be given a direction.
     dtype
         `OpenImageIO.HALF` or `OpenImageIO.FLOAT`. In half, colors are clamped to 65504.
     roi
@@ -50,8 +51,10 @@ def linearize(
         Whether colors are multiplied by alpha. By default they are if there is an alpha channel
         and the image does not say `oiio:UnassociatedAlpha`. They are so in the result as well.
     colorspace
-        What to tag the result with; `auto` is linear light of the source's primaries, or `unknown`
-        where those are not known or the LUT mixes channels.
+        What to tag the result with; `auto` is the linear RGB that the LUT's own records name, else
+        that of the source's primaries, or `unknown` where those are not known or the LUT mixes
+        channels. That a file is sRGB, which OpenImageIO says of every JPEG, is no knowledge; that
+        an image in memory is, whoever made it knows.
     out
         A half or float image to write into instead of making one. It must hold the region and have
         as many channels.
@@ -66,7 +69,7 @@ def linearize(
     PhotoError
         If the image cannot be read, is deep, or has neither R, G and B nor one gray channel.
     LutError
-        If the LUT cannot be read, or gives NaN or infinities.
+        If the LUT cannot be read, encodes, or makes NaN or infinities of codes.
     SettingsError
         If the region or `out` does not fit the image.
     """
@@ -78,7 +81,7 @@ def linearize(
     color, alpha = color_of(spec, name), alpha_channel(spec)
     if unpremult is None:
         unpremult = not spec.get_int_attribute("oiio:UnassociatedAlpha")
-    color_space = _color_space(colorspace, spec, lookup)
+    color_space = _color_space(colorspace, image, lookup)
     if dtype not in _LINEAR:
         raise SettingsError(f"linear light needs half or float, not {dtype}")
     if out is None:
@@ -167,16 +170,20 @@ def _told(roi: oiio.ROI) -> str:
     return f"{roi.width}x{roi.height}{roi.xbegin:+d}{roi.ybegin:+d}"
 
 
-def _color_space(colorspace: str, spec: oiio.ImageSpec, lookup: Lookup) -> str | Primaries:
+def _color_space(colorspace: str, image: oiio.ImageBuf, lookup: Lookup) -> str | Primaries:
     """The name to tag with, or the primaries of a linear space."""
     if colorspace != "auto":
         return colorspace
-    if not lookup.separable:
-        return "unknown"
+    spec = image.spec()
     primaries = primaries_of(spec, icc_profile(spec))
-    if primaries is None and "rec709" in spec.get_string_attribute("oiio:ColorSpace").lower():
+    told = spec.get_string_attribute("colorInteropID")
+    if not image.file_format_name:
+        told += spec.get_string_attribute("oiio:ColorSpace")
+    if primaries is None and "rec709" in told.lower():
         primaries = known_primaries("Rec.709", "file attribute")
-    return primaries or "unknown"
+    if isinstance(lookup, LutLookup):
+        return lookup.leads_to(primaries) or "unknown"
+    return primaries or "unknown" if lookup.separable else "unknown"
 
 
 def _header(source: oiio.ImageSpec, region: oiio.ROI, dtype: Any) -> oiio.ImageSpec:

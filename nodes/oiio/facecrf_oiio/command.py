@@ -18,6 +18,7 @@ from facecrf_ocio.files.atomic import require_free
 from facecrf_ocio.image.lookup import Lookup
 from facecrf_ocio.image.lut_lookup import lut_lookup
 from facecrf_ocio.image.output import write_image_file
+from facecrf_ocio.lut.transform import DIRECTIONS
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_file, check_size
 from facecrf_ocio.photo.read import alpha_channel, is_premultiplied
 from facecrf_oiio.buffer import color_of, fill, linearize
@@ -55,6 +56,11 @@ def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="facecrf-oiio", description="Send an image file through a LUT.")
     parser.add_argument("image", type=Path, help="any image OpenImageIO reads")
     parser.add_argument("--lut", type=Path, required=True, help="any LUT OpenColorIO reads")
+    parser.add_argument(
+        "--direction",
+        choices=DIRECTIONS,
+        help="toward light or away from it; needed for a LUT that encodes",
+    )
     parser.add_argument("-o", dest="output", type=Path, required=True, help=".exr or .tif")
     parser.add_argument("-d", dest="dtype", choices=("half", "float"), default="half")
     parser.add_argument("--compression", default="zip", help="as OpenImageIO names it")
@@ -75,7 +81,7 @@ def _convert(given: argparse.Namespace) -> None:
     check_file(image)
     if output.exists() and output.samefile(image):
         raise OutputError(f"{output}: is the image itself; choose another name")
-    lookup = lut_lookup(given.lut)
+    lookup = lut_lookup(given.lut, given.direction)
     parts, file_format = _parts(image), _FORMATS[output.suffix.lower()]
     finished = [
         _finished(
@@ -129,6 +135,8 @@ def _read(path: Path, source: Any, number: int) -> _Part:
     header.channelformats = ()
     told = 0 if is_premultiplied(spec, source.format_name()) else 1
     header.attribute("oiio:UnassociatedAlpha", told)
+    if "rec709" in header.get_string_attribute("oiio:ColorSpace"):
+        header.erase_attribute("oiio:ColorSpace")  # said of all files that tell nothing
     image = oiio.ImageBuf(header)
     fill(image, pixels)
     return _Part(path, image, types)
