@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import json
+import struct
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+import PyOpenColorIO as ocio  # noqa: N813
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from lut_files import LOG_TO_INFINITY, MIXES, half_floats, matrix, write_clf, write_half_domain
 from PIL import ImageCms
 
 from facecrf_ocio.color.working_space import WORKING_SPACES
@@ -254,6 +257,189 @@ def test_no_damage_ends_in_anything_but_findings(
     assert all(finding.severity in ("error", "warning") for finding in lint(path))
 
 
+UNUSABLE = {
+    "Components": ("a.spi1d", SPI1D.replace("Components 3\n", "")),
+    "'DOMAIN_MAX 2 2 2'. Malformed color": ("a.cube", f"{CUBE}DOMAIN_MAX 2 2 2\n"),
+    "At line 3: inBitDepth is missing": ("a.clf", CLF.replace('inBitDepth="32f" ', "")),
+    "65536 required for halfDomain": ("a.clf", CLF.replace("<LUT1D", '<LUT1D halfDomain="true"')),
+    "Prelut does not specify": ("a.csp", CSP.replace("2\n0 1", "two\n0 1", 1)),
+}
+
+
+@pytest.mark.parametrize("reason", UNUSABLE)
+def test_what_opencolorio_refuses_is_an_error_with_its_reason_in_full(
+    reason: str, tmp_path: Path
+) -> None:
+    file, text = UNUSABLE[reason]
+    (tmp_path / file).write_text(text)
+    found = lint(tmp_path / file)
+    assert [finding.unusable for finding in found][-1]
+    assert found[-1].severity == "error"
+    with pytest.raises(ocio.Exception) as refused:
+        ocio.Config.CreateRaw().getProcessor(ocio.FileTransform(str(tmp_path / file)))
+    whole = " ".join(str(refused.value).replace(str(tmp_path / file), file).split())
+    assert reason in whole
+    assert whole in found[-1].problem
+
+
+def integers_of_fractions(text: str) -> str:
+    return text.replace('outBitDepth="32f"', 'outBitDepth="16i"')
+
+
+RANGES = {
+    "255": ("a.cube", "LUT_1D_SIZE 4\n0 0 0\n26 26 26\n102 102 102\n255 255 255\n"),
+    "1.5e-05": ("a.clf", integers_of_fractions(CLF)),
+}
+
+
+@pytest.mark.parametrize("white", RANGES)
+def test_white_elsewhere_than_at_1_is_found(white: str, tmp_path: Path) -> None:
+    file, text = RANGES[white]
+    (tmp_path / file).write_text(text)
+    (found, *_) = lint(tmp_path / file)
+    assert (found.severity, f"goes up to {white}" in found.problem) == ("error", True)
+
+
+def test_ends_of_lines_marks_and_unknown_words_are_found(tmp_path: Path) -> None:
+    for content, problem in (
+        (CUBE.replace("\n", "\r").encode(), "its lines end in CR alone"),
+        (b"\xef\xbb\xbf" + CUBE.encode(), "byte-order mark"),
+        (CUBE.replace("\n", "\nLUT_IN_VIDEO_RANGE\n", 1).encode(), "'LUT_IN_VIDEO_RANGE'"),
+    ):
+        (tmp_path / "a.cube").write_bytes(content)
+        assert problem in lint(tmp_path / "a.cube")[0].problem
+    (tmp_path / "a.cube").write_bytes(CUBE.replace("\n", "\r\n").encode())
+    assert lint(tmp_path / "a.cube") == ()
+
+
+class TestHalfDomains:
+    """All finite half floats are looked at, in the order of their values."""
+
+    @pytest.mark.parametrize("at", [0.5, 2.0, -3.0])
+    def test_nan_anywhere_is_found(self, at: float, tmp_path: Path) -> None:
+        values = half_floats()
+        values[values == at] = np.nan
+        (found,) = lint(write_half_domain(tmp_path / "a.clf", values))
+        assert found.problem == "an entry is NaN or infinite"
+
+    def test_falls_above_1_are_found(self, tmp_path: Path) -> None:
+        values = np.where(half_floats() > 4.0, 3.0, half_floats())
+        (found,) = lint(write_half_domain(tmp_path / "a.clf", values))
+        assert found.problem == "the curve decreases"
+
+    def test_what_is_infinite_of_the_infinite_is_clean(self, tmp_path: Path) -> None:
+        assert lint(write_half_domain(tmp_path / "a.clf", half_floats())) == ()
+
+
+def pq(light: Values) -> Values:
+    """SMPTE ST 2084: code values of light, of which 1 is 10,000 cd/m2."""
+    power = light**0.1593017578125
+    return np.asarray(((0.8359375 + 18.8515625 * power) / (1 + 18.6875 * power)) ** 78.84375)
+
+
+def log_c3(codes: Values) -> Values:
+    """ARRI LogC3, EI 800: linear light of code values."""
+    curved = (10 ** ((codes - 0.385537) / 0.247190) - 0.052272) / 5.555556
+    return np.where(codes > 0.1496582, curved, (codes - 0.092809) / 5.367655)
+
+
+@pytest.mark.parametrize("size", [256, 1024, 4096])
+def test_what_others_publish_is_clean(size: int, tmp_path: Path) -> None:
+    codes = np.linspace(0, 1, size)
+    curves = {
+        "LogC3": log_c3(codes),
+        "LogC3 back": np.interp(codes, log_c3(NODES) / log_c3(np.ones(1)), NODES),
+        "PQ": pq(codes),
+        "PQ back": np.interp(codes, pq(NODES**4), NODES**4) * 100.0,
+        "logarithm of base 2": np.log2(1 + 1000 * codes) / np.log2(1001),
+        "Canon Log 2 like": np.sign(codes - 0.09) * (10 ** (np.abs(codes - 0.09) / 0.24) - 1) / 87,
+    }
+    for name, values in curves.items():
+        rows = "".join(f"{value:.9g}\n" for value in values)
+        path = tmp_path / "a.spi1d"
+        path.write_text(f"Version 1\nFrom 0 1\nLength {size}\nComponents 1\n{{\n{rows}}}\n")
+        assert lint(path) == (), name
+
+
+def test_scene_linear_domains_and_missing_shapers_are_clean(tmp_path: Path) -> None:
+    clean = {
+        "a.cube": CUBE.replace("RANGE 0 1", "RANGE 0 16.293"),
+        "a.spi1d": SPI1D.replace("From 0 1", "From -0.125 65504"),
+        "a.csp": CSP.replace(SHAPER, "3\n0 1 55\n0 0.5 1\n" * 3),
+        "b.csp": CSP.replace(SHAPER, "0\n0\n0\n"),
+    }
+    for name, text in clean.items():
+        (tmp_path / name).write_text(text)
+        assert lint(tmp_path / name) == (), name
+
+
+def test_formulas_matrices_and_solids_are_sampled(tmp_path: Path) -> None:
+    assert lint(write_clf(tmp_path / "a.clf", LOG_TO_INFINITY, matrix(MIXES))) == ()
+    (tmp_path / "a.cube").write_text("LUT_3D_SIZE 2\n" + "0 0 0\n0.5 1 1\n" * 4)
+    assert lint(tmp_path / "a.cube") == ()
+    (tmp_path / "a.cube").write_text("LUT_3D_SIZE 2\n" + "0 0 0\nnan 1 1\n" * 4)
+    assert "NaN" in lint(tmp_path / "a.cube")[0].problem
+    (tmp_path / "a.3dl").write_text("0 1023\n" + "0 0 0\n" * 3)
+    assert lint(tmp_path / "a.3dl")[-1].unusable
+
+
+def test_steps_for_false_color_are_no_curve(tmp_path: Path) -> None:
+    values = np.take([0.0, 0.5, 0.2, 1.0], np.arange(1024) // 256)
+    rows = "".join(f"{value:g}\n" for value in values)
+    (tmp_path / "a.spi1d").write_text(
+        f"Version 1\nFrom 0 1\nLength 1024\nComponents 1\n{{\n{rows}}}\n"
+    )
+    assert lint(tmp_path / "a.spi1d") == ()
+
+
+def test_a_profile_under_its_other_suffix(tmp_path: Path) -> None:
+    path = write_lut(CURVE, tmp_path / "a.icc").rename(tmp_path / "a.icm")
+    assert lint(path) == ()
+
+
+def tag_bomb() -> bytes:
+    """Thousands of tags that share one curve of 8,000 entries."""
+    curve = b"curv" + bytes(4) + struct.pack(">I", 8000) + bytes(16000)
+    count = 1500
+    tags = b"".join(
+        b"rTRC" + struct.pack(">II", 132 + 12 * count, len(curve)) for _ in range(count)
+    )
+    return b"\0" * 36 + b"acsp" + b"\0" * 88 + struct.pack(">I", count) + tags + curve
+
+
+HOSTILE = {
+    "digits.spi1d": f"Version 1\nFrom 0 1\nLength 1\nComponents 1\n{{\n{'1' * 200000}x\n}}\n",
+    "size.cube": f"LUT_1D_SIZE {'9' * 5000}\n0 0 0\n",
+    "dim.clf": CLF.replace("32 3", f"{'9' * 5000} 3"),
+    "spaces.cube": "LUT_1D_SIZE 2\n" + " " * 300000 + "x\n",
+    "commas.cube": "LUT_1D_SIZE 2\n" + "1" * 200000 + "\n",
+    "endless.csp": "CSPLUTV100\n1D\n\nBEGIN METADATA\n# c\nEND ",
+    "tags.icc": tag_bomb(),
+    "rows.cube": "LUT_1D_SIZE 2\n" + "0 0 0\n" * 400000,
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_hostile_files_end_soon_and_small(name: str, tmp_path: Path) -> None:
+    content = HOSTILE[name]
+    (tmp_path / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+    run = (
+        "import sys, resource, time; from pathlib import Path\n"
+        "from facecrf_ocio.lut.lint import lint\n"
+        "before, start = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.process_time()\n"
+        "found = lint(Path(sys.argv[1]))\n"
+        "peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
+        "print(len(found) > 0, time.process_time() - start, (peak - before) / 1024)"
+    )
+    pytest.importorskip("resource")
+    arguments = [sys.executable, "-c", run, str(tmp_path / name)]
+    ended = subprocess.run(arguments, capture_output=True, text=True, check=True, timeout=120)
+    wrong, seconds, megabytes = ended.stdout.split()
+    assert wrong == "True"
+    assert float(seconds) < 2.0
+    assert float(megabytes) < 100.0
+
+
 def test_what_cannot_be_read_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(LutError, match="cannot be read: no such file"):
         lint(tmp_path / "a.cube")
@@ -261,12 +447,17 @@ def test_what_cannot_be_read_is_an_error(tmp_path: Path) -> None:
         lint(tmp_path / "a.exr")
 
 
-@pytest.mark.parametrize(("name", "code"), [("jump", 5), ("reversed", 6)])
-def test_the_command_tells_and_ends_by_severity(name: str, code: int, tmp_path: Path) -> None:
-    file, text, *_ = BROKEN[name]
+ENDS = {"clean": 0, "jump": 5, "codes as domain": 5, "decreasing": 6, "length": 7, "words, .clf": 7}
+
+
+@pytest.mark.parametrize("name", ENDS)
+def test_the_command_tells_and_ends_by_severity(name: str, tmp_path: Path) -> None:
+    file, text, *_ = BROKEN.get(name, ("a.cube", CUBE))
     (tmp_path / file).write_text(text)
     run = "from facecrf_ocio.cli.lint_command import lint; lint()"
     arguments = [sys.executable, "-c", run, "--json", str(tmp_path / file)]
     ended = subprocess.run(arguments, capture_output=True, text=True, check=False)
-    assert ended.returncode == code
-    assert json.loads(ended.stdout.splitlines()[0])["path"] == str(tmp_path / file)
+    assert ended.returncode == ENDS[name]
+    told = [json.loads(line) for line in ended.stdout.splitlines()]
+    assert {finding["path"] for finding in told} <= {str(tmp_path / file)}
+    assert any(finding["unusable"] for finding in told) == (ENDS[name] == 7)

@@ -12,17 +12,18 @@ from facecrf_ocio.cli.options import PHOTO_PATH
 from facecrf_ocio.cli.terminal import DONE, complain, ending_well, exit_code_of, one_line
 from facecrf_ocio.errors import LutError
 
-WARNED, WRONG = 5, 6
+WARNED, WRONG, UNUSABLE = 5, 6, 7
 
 
 @click.command(
-    epilog="Exit codes: 0 clean; 5 warnings only; 6 errors; 3 a file cannot be read.",
+    epilog="Exit codes, of several files the highest: 0 clean; 3 a file cannot be read; 5 "
+    "warnings only; 6 errors; 7 OpenColorIO cannot use a LUT, for the reason told.",
 )
 @click.argument("luts", nargs=-1, required=True, type=PHOTO_PATH, metavar="LUT...")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object per finding and line.")
 @ending_well
 def lint(luts: tuple[Path, ...], as_json: bool) -> int:
-    """Find what OpenColorIO accepts silently in each LUT: NaN, a reversed domain and the like."""
+    """Find what is wrong with each LUT: what OpenColorIO refuses, and what it takes silently."""
     from facecrf_ocio.lut.lint import ERROR
     from facecrf_ocio.lut.lint import lint as find
 
@@ -34,7 +35,8 @@ def lint(luts: tuple[Path, ...], as_json: bool) -> int:
             codes.append(complain(str(error), exit_code_of(error)))
             continue
         for finding in findings:
-            codes.append(WRONG if finding.severity == ERROR else WARNED)
+            code = WRONG if finding.severity == ERROR else WARNED
+            codes.append(UNUSABLE if finding.unusable else code)
             record = json.dumps({**asdict(finding), "path": str(path)})
             click.echo(record if as_json else one_line(str(finding)))
     return max(codes)

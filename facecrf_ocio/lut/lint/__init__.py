@@ -4,29 +4,75 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from facecrf_ocio.errors import LutError
+import numpy as np
+import PyOpenColorIO as ocio  # noqa: N813
+
+from facecrf_ocio.errors import LutError, reason_of
 from facecrf_ocio.lut.format_table import FORMATS, of_suffix
 from facecrf_ocio.lut.lint.curve_checks import check
 from facecrf_ocio.lut.lint.finding import ERROR, WARNING, Finding
+from facecrf_ocio.lut.ocio_processor import exact_cpu, ocio_processor
+from facecrf_ocio.lut.usable import why_unusable
 
 __all__ = ["ERROR", "WARNING", "Finding", "lint"]
 
+_LARGEST = 1 << 26
+"""[byte] Of a file that is looked into; a 3-D LUT of 129 entries a side as text has 60e6."""
+
 
 def lint(path: Path) -> tuple[Finding, ...]:
-    """Check a LUT file of any format in `format_table`.
+    """Check a LUT file of any format that this package or OpenColorIO knows.
+
+    Tables are read from the file itself; formulas and 3-D LUTs are sampled through OpenColorIO,
+    which is asked first whether it can use the file at all.
+
+    Returns
+    -------
+    tuple of Finding
+        None if the file is clean. The last tells if OpenColorIO refuses it.
 
     Raises
     ------
     LutError
-        If the file cannot be read or its suffix is none of these.
+        If the file cannot be read or is of no known format.
     """
     path = Path(path)
     row = of_suffix(path.suffix)
-    if row is None:
-        suffixes = dict.fromkeys(s for row in FORMATS.values() for s in row.suffixes)
-        raise LutError(f"{path}: lint knows {', '.join(suffixes)} only")
+    content = _content(path)
+    tables = None if row is None else row.tables(path, content)
+    found = [finding for table in tables or () for finding in check(path, table)]
+    refused = why_unusable(path)
+    if refused:
+        problem = f"it cannot be used: {refused}"
+        remedy = "export it again, in another format if need be"
+        found.append(Finding(path, None, ERROR, problem, remedy, unusable=True))
+    elif not tables:
+        found += _sampled(path)
+    return tuple(found)
+
+
+def _content(path: Path) -> bytes:
+    known = dict.fromkeys(s for row in FORMATS.values() for s in row.suffixes)
+    known |= dict.fromkeys(f".{suffix}" for _, suffix in ocio.FileTransform.getFormats())
+    if path.suffix.lower() not in known:
+        raise LutError(f"{path}: lint knows {', '.join(known)} only")
     try:
-        content = path.read_bytes()
+        if path.exists() and not path.is_file():
+            raise LutError(f"{path}: is no file; name a LUT")
+        if path.stat().st_size > _LARGEST:
+            raise LutError(f"{path}: has more than 64 MB, which no LUT needs; export it again")
+        return path.read_bytes()
     except OSError as error:
-        raise LutError(f"{path}: cannot be read: {(error.strerror or '').lower()}") from error
-    return tuple(finding for table in row.tables(path, content) for finding in check(path, table))
+        raise LutError(f"{path}: cannot be read: {reason_of(error)}") from error
+
+
+def _sampled(path: Path) -> list[Finding]:
+    """What a transform without a table makes of grays, which must be numbers."""
+    gray = np.repeat(np.linspace(0.0, 1.0, 257, dtype=np.float32)[:, None], 3, axis=1)
+    light = gray.copy()
+    exact_cpu(ocio_processor(path)).applyRGB(light)
+    bad = np.flatnonzero(~np.isfinite(light).all(axis=1))
+    if not bad.size:
+        return []
+    problem = f"it makes NaN or infinity of {gray[bad[0], 0]:.3g}"
+    return [Finding(path, None, ERROR, problem, "check its formulas")]

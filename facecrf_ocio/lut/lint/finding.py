@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 ERROR, WARNING = "error", "warning"
 DECIMAL_COMMA = re.compile(r"\d,\d")
-Row = tuple[int | None, list[float]]
+MOST_ENTRIES = 300_000
+"""Of a 1-D table: OpenColorIO reads no more from text files, and no curve needs as many."""
+
+Row = tuple[int | None, Sequence[float]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +27,8 @@ class Finding:
         `error`: pixels will be wrong. `warning`: they may be.
     problem, remedy
         What is wrong and what to do, without final periods.
+    unusable
+        Whether OpenColorIO refuses the file; the problem is then its reason, whole.
     """
 
     path: Path
@@ -30,6 +36,7 @@ class Finding:
     severity: str
     problem: str
     remedy: str
+    unusable: bool = False
 
     def __str__(self) -> str:
         line = "" if self.line is None else f":{self.line}"
@@ -54,16 +61,35 @@ class Table:
         By how much two entries differ at least, where they are integers; 0 for floats.
     name
         What to call a table of one column.
+    half_domain
+        Whether there is an entry for each half float, in the order of their bits.
+    of_codes
+        Whether its input goes from 0 to 1; scene-linear input goes beyond.
     """
 
-    rows: list[Row]
+    rows: Sequence[Row]
     promised: int | None = None
     findings: tuple[Finding, ...] = ()
     line: int | None = None
     step: float = 0.0
     name: str = "the curve"
+    half_domain: bool = False
+    of_codes: bool = True
 
 
 def broken(path: Path, line: int | None, problem: str, remedy: str) -> Table:
     """A table of which there is nothing to say but one error."""
     return Table([], None, (Finding(path, line, ERROR, problem, remedy),))
+
+
+def number(word: str) -> float | None:
+    """Return the number a word is, NaN and infinities among them; None if it is none."""
+    try:
+        return None if "_" in word else float(word)
+    except ValueError:
+        return None
+
+
+def count(word: str) -> int | None:
+    """Return the number of entries a word promises; None if it is no number, or no LUT's."""
+    return int(word) if word.isascii() and word.isdecimal() and len(word) < 10 else None

@@ -9,19 +9,26 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
 
-from facecrf_ocio.lut.lint.finding import DECIMAL_COMMA, Table, broken
+from facecrf_ocio.lut.lint.finding import (
+    DECIMAL_COMMA,
+    MOST_ENTRIES,
+    Table,
+    broken,
+    count,
+    number,
+)
 
 # What 1 is in arrays for each bit depth (Academy S-2014-006).
 _WHITE = {"8i": 255.0, "10i": 1023.0, "12i": 4095.0, "16i": 65535.0}
-_HALF_ONE = 15361  # half floats from 0 to 1
 
 
 @dataclass(slots=True)
 class _Array:
-    """Numbers of one node: its kind and attributes, the array's own, first line, text."""
+    """Numbers of one node: its kind, attributes and line, the array's own, first line, text."""
 
     kind: str
     node: Mapping[str, str]
+    node_line: int
     dim: str
     line: int
     text: list[str] = field(default_factory=list)
@@ -32,8 +39,8 @@ class _Reader:
 
     def __init__(self) -> None:
         self.arrays: list[_Array] = []
-        self.solids: list[int] = []
-        self._nodes: list[tuple[str, Mapping[str, str]]] = []
+        self.count = 0
+        self._nodes: list[tuple[str, Mapping[str, str], int]] = []
         self._open: _Array | None = None
         self._parser = expat.ParserCreate()
         self._parser.StartElementHandler = self._start
@@ -45,13 +52,12 @@ class _Reader:
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         kind = tag.rpartition(":")[2]
-        if kind == "LUT3D":
-            self.solids.append(self._parser.CurrentLineNumber)
+        self.count += 1
         if kind == "Array" and self._nodes:
             dim = attributes.get("dim", "")
             self._open = _Array(*self._nodes[-1], dim, self._parser.CurrentLineNumber)
             self.arrays.append(self._open)
-        self._nodes.append((kind, attributes))
+        self._nodes.append((kind, attributes, self._parser.CurrentLineNumber))
 
     def _end(self, _: str) -> None:
         self._nodes.pop()
@@ -63,7 +69,10 @@ class _Reader:
 
 
 def process_list_tables(path: Path, content: bytes) -> list[Table]:
-    """Every one-dimensional table of a file; matrices and 3-D LUTs only if they are wrong."""
+    """Every one-dimensional table of a file; matrices and 3-D LUTs only if they are wrong.
+
+    None, where it is made of formulas.
+    """
     reader = _Reader()
     try:
         reader.read(content)
@@ -71,23 +80,23 @@ def process_list_tables(path: Path, content: bytes) -> list[Table]:
         return [broken(path, error.lineno, "it is no XML", "export it again")]
     except (LookupError, ValueError):
         return [broken(path, 1, "it has an encoding nobody knows", "export it as UTF-8")]
-    tables = [
-        broken(path, line, "it holds a 3-D LUT", "use a 1-D LUT for a curve")
-        for line in reader.solids
-    ]
-    for array in reader.arrays:
-        if array.kind in ("LUT1D", "InverseLUT1D", "Matrix"):
-            tables += _tables(path, array)
-    if not any(array.kind.endswith("LUT1D") for array in reader.arrays) and not tables:
-        return [broken(path, None, "it holds no 1-D LUT", "export it again")]
-    return tables
+    if reader.count <= 1:
+        problem = "it holds no 1-D LUT and nothing else"
+        return [broken(path, None, problem, "export it again")]
+    return [table for array in reader.arrays for table in _tables(path, array)]
 
 
 def _tables(path: Path, array: _Array) -> Iterator[Table]:
+    if array.kind == "LUT3D":
+        sizes = [count(word) for word in array.dim.split()]
+        if len(sizes) != 4 or None in sizes:
+            yield broken(path, array.node_line, _BAD_SOLID, "export it again")
+        return
+    if array.kind not in ("LUT1D", "InverseLUT1D", "Matrix"):
+        return
     try:
         numbers = list(_numbers(array))
-        size = [int(word) for word in array.dim.split()]
-        promised, width = size[0], max(size[-1], 1)
+        promised, width = _size(array)
     except _NotANumberError as error:
         line, word = error.args
         if DECIMAL_COMMA.search(word):
@@ -95,41 +104,60 @@ def _tables(path: Path, array: _Array) -> Iterator[Table]:
         else:
             yield broken(path, line, "an array is not numbers", "export it again")
         return
-    except (ValueError, IndexError):
+    except ValueError:
         yield broken(path, array.line, "an array's dim is not numbers", "export it again")
         return
     if array.kind == "Matrix":
-        bad = next((line for line, number in numbers if not math.isfinite(number)), None)
+        bad = next((line for line, value in numbers if not math.isfinite(value)), None)
         if bad is not None:
             yield broken(path, bad, "a matrix holds NaN or infinities", "export it again")
         return
     white = _white(array)
     rows = [
-        (numbers[i][0], [number / white for _, number in numbers[i : i + width]])
+        (numbers[i][0], [value / white for _, value in numbers[i : i + width]])
         for i in range(0, len(numbers), width)
     ]
-    if array.node.get("halfDomain") == "true" and len(rows) == promised:
-        rows, promised = rows[:_HALF_ONE], min(promised, _HALF_ONE)  # other half floats follow
     step = 0.0 if white == 1.0 else 1.0 / white
-    yield Table([*rows], promised, (), array.line, step)
+    half_domain = array.node.get("halfDomain") == "true"
+    yield Table(rows, promised, (), array.line, step, half_domain=half_domain)
+
+
+_BAD_SOLID = "the dim of a 3-D LUT is not 4 numbers"
 
 
 class _NotANumberError(Exception):
     """Line and word."""
 
 
+def _size(array: _Array) -> tuple[int, int]:
+    """Entries that an array promises, and numbers of each."""
+    sizes = [count(word) for word in array.dim.split()]
+    promised, width = (sizes[0], sizes[-1]) if sizes else (None, None)
+    if promised is None or width is None:
+        raise ValueError(array.dim)
+    return promised, max(width, 1)
+
+
 def _numbers(array: _Array) -> Iterator[tuple[int, float]]:
-    """Line and value of each number."""
+    """Line and value of each number, of as many as a table may have."""
     raw_halfs = array.node.get("rawHalfs") == "true"
+    left = 3 * MOST_ENTRIES
     for line, text in enumerate("".join(array.text).split("\n"), start=array.line):
         for word in text.split():
-            try:
-                number = float(word)
-                if raw_halfs:
-                    (number,) = struct.unpack("e", struct.pack("H", int(word)))
-            except (ValueError, struct.error) as error:
-                raise _NotANumberError(line, word) from error
-            yield line, number
+            left -= 1
+            if left < 0:
+                return
+            value = _raw_half(word) if raw_halfs else number(word)
+            if value is None:
+                raise _NotANumberError(line, word)
+            yield line, value
+
+
+def _raw_half(word: str) -> float | None:
+    bits = count(word)
+    if bits is None or bits > 0xFFFF:
+        return None
+    return float(struct.unpack("e", struct.pack("H", bits))[0])
 
 
 def _white(array: _Array) -> float:

@@ -5,20 +5,29 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Iterator, Sequence
+from itertools import islice
 from pathlib import Path
 
 from facecrf_ocio.lut.lint.finding import Table, broken
 
 _PARAMETERS = (1, 3, 4, 5, 7)  # of the kinds of parametric curves
 _SAMPLES = 256
+_MOST_CURVES = 32
+"""Of one profile: three for red, green, blue, and twelve in the float tags of four intents."""
+_MOST_PARTS = 64
+"""Elements of a tag, channels of an element or segments of a curve that are looked at."""
 
 
 def icc_tables(path: Path, content: bytes) -> list[Table]:
     """One table per curve of red, green, blue; formulas sampled."""
     try:
-        tables = [table for tag in _tags(content) for table in _tag_tables(path, *tag)]
+        found = (table for tag in _tags(content) for table in _tag_tables(path, *tag))
+        tables = list(islice(found, _MOST_CURVES + 1))
     except (struct.error, OverflowError, ZeroDivisionError):
         return [broken(path, None, "a curve is cut short or no function", "export it again")]
+    if len(tables) > _MOST_CURVES:
+        problem = f"it holds more than {_MOST_CURVES} curves"
+        return [broken(path, None, problem, "export it again")]
     if content[36:40] != b"acsp" or not tables:
         return [broken(path, None, "it is no ICC profile with curves", "export it again")]
     return tables
@@ -78,13 +87,13 @@ def _parametric(kind: int, parameters: Sequence[float], x: float) -> float:
 def _elements(data: bytes) -> Iterator[Table]:
     """Sampled segments of the curve sets among the elements."""
     (count,) = struct.unpack_from(">I", data, 12)
-    for index in range(count):
+    for index in range(min(count, _MOST_PARTS)):
         start, size = struct.unpack_from(">II", data, 16 + 8 * index)
         element = data[start : start + size]
         if element[:4] != b"cvst":
             continue
         (channels,) = struct.unpack_from(">H", element, 8)
-        for channel in range(channels):
+        for channel in range(min(channels, _MOST_PARTS)):
             start, size = struct.unpack_from(">II", element, 12 + 8 * channel)
             yield from _segments(element[start : start + size])
 
@@ -92,7 +101,7 @@ def _elements(data: bytes) -> Iterator[Table]:
 def _segments(curve: bytes) -> Iterator[Table]:
     (count,) = struct.unpack_from(">H", curve, 8)
     place = 12 + 4 * (count - 1)
-    for _ in range(count):
+    for _ in range(min(count, _MOST_PARTS)):
         kind = curve[place : place + 4]
         if kind == b"samf":
             (size,) = struct.unpack_from(">I", curve, place + 8)

@@ -2,128 +2,208 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
 
-from facecrf_ocio.lut.lint.finding import DECIMAL_COMMA, ERROR, WARNING, Finding, Row, Table, broken
+from facecrf_ocio.lut.lint.finding import (
+    DECIMAL_COMMA,
+    ERROR,
+    MOST_ENTRIES,
+    WARNING,
+    Finding,
+    Row,
+    Table,
+    broken,
+    count,
+    number,
+)
 
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*([eE][+-]?\d+)?|\.\d+([eE][+-]?\d+)?|nan|inf(inity)?)", re.I)
-# Scene-linear light may go far beyond 1, codes do not.
-_HIGHEST_CODE = 16.0
-_Lines = Sequence[tuple[int, list[str]]]
+# Scene-linear light may go anywhere; where codes were meant, it ends at one of these.
+_HIGHEST_CODES = (255.0, 1023.0, 4095.0, 65535.0)
+_KEYWORDS = {
+    *("version", "from", "length", "components", "{"),
+    *("lut_1d_size", "lut_1d_input_range", "lut_3d_size", "lut_3d_input_range"),
+    *("domain_min", "domain_max"),
+}
+_MOST_UNKNOWN = 3
+_Lines = Iterator[tuple[int, list[str]]]
 
 
 def keyed_tables(path: Path, content: bytes) -> list[Table]:
     """The table of a .spi1d or a .cube of either style, with what is odd in it."""
-    return [_table(path, content, _keyed)]
+    return _tables(path, content, _keyed)
 
 
 def csp_tables(path: Path, content: bytes) -> list[Table]:
     """The table of a .csp, with what is odd in it."""
-    return [_table(path, content, _csp)]
+    return _tables(path, content, _csp)
 
 
-def _table(path: Path, content: bytes, read: Callable[[Path, _Lines], Table]) -> Table:
-    lines = list(_lines(content.decode("utf-8", "replace")))
-    comma = next((n for n, words in lines if DECIMAL_COMMA.search(" ".join(words))), None)
-    if comma is not None:
-        return broken(path, comma, "a number has a decimal comma", "write decimal points")
-    solid = next((n for n, words in lines if words[0].lower() in ("3d", "lut_3d_size")), None)
-    if solid is not None:
-        return broken(path, solid, "it is a 3-D LUT", "use a 1-D LUT for a curve")
-    return read(path, lines)
+def _tables(path: Path, content: bytes, read: Callable[[Path, _Lines], list[Table]]) -> list[Table]:
+    if content.startswith(b"\xef\xbb\xbf"):
+        problem = "it begins with a byte-order mark, which belongs to no LUT"
+        return [broken(path, 1, problem, "save it as plain ASCII")]
+    if b"\r" in content and b"\n" not in content:
+        return [broken(path, 1, "its lines end in CR alone", "save it with LF, or CR and LF")]
+    text = content.decode("utf-8", "replace")
+    for line, words in _lines(text) if "," in text else ():
+        if any(DECIMAL_COMMA.search(word) for word in words):
+            return [broken(path, line, "a number has a decimal comma", "write decimal points")]
+    return read(path, _lines(text))
 
 
-def _lines(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Number and words of the lines that are neither empty nor remarks."""
+def _lines(text: str) -> _Lines:
+    """Number and words of the lines that are neither empty nor remarks, up to a table's end."""
     in_notes = False
-    for number, raw in enumerate(text.splitlines(), start=1):
-        line = raw.split("#")[0].strip()
-        if line in ("BEGIN METADATA", "END METADATA"):
-            in_notes = line.startswith("BEGIN")
-        elif line and not in_notes and not line.upper().startswith("TITLE"):
-            yield number, line.split()
+    for line, raw in enumerate(text.split("\n"), start=1):
+        words = raw.split("#")[0].split()
+        if words[1:2] == ["METADATA"] and words[0] in ("BEGIN", "END"):
+            in_notes = words[0] == "BEGIN"
+        elif words and words[0] == "}":
+            return
+        elif words and not in_notes and not words[0].upper().startswith("TITLE"):
+            yield line, words
 
 
-def _keyed(path: Path, lines: _Lines) -> Table:
-    """.spi1d and .cube: keywords, then rows."""
-    rows: list[Row] = []
-    findings: list[Finding] = []
+@dataclass
+class _Read:
+    """What was read of a file: rows of the 1-D table and of the 3-D one behind it, sizes."""
+
+    path: Path
+    rows: list[Row] = field(default_factory=list)
+    more: int = 0
     size: tuple[int, str] | None = None
-    ends: dict[str, tuple[int, list[float]]] = {}
-    for number, words in lines:
+    solid: tuple[int, str] | None = None
+    findings: list[Finding] = field(default_factory=list)
+    of_codes: bool = True
+
+    def add(self, line: int | None, problem: str, remedy: str, severity: str = ERROR) -> None:
+        self.findings.append(Finding(self.path, line, severity, problem, remedy))
+
+    def row(self, line: int, words: Sequence[str]) -> None:
+        numbers = [found for found in map(number, words) if found is not None]
+        if len(numbers) < len(words):
+            self.add(line, "a row is not numbers", "export it again")
+        promised = count(self.size[1]) if self.size else None
+        if self.solid is not None and self.size is None:
+            promised = 0
+        if len(self.rows) < (MOST_ENTRIES if promised is None else min(promised, MOST_ENTRIES)):
+            self.rows.append((line, numbers))
+            return
+        self.more += 1
+        if self.solid and not all(abs(one) < float("inf") for one in numbers):  # NaN fails too
+            self.add(line, "an entry is NaN or infinite", "export it again")
+
+    def domain(self, line: int, name: str, nodes: Sequence[Sequence[str]]) -> None:
+        """Check nodes that shall increase, each given for one channel or for R, G, B."""
+        width = len(nodes[0]) if nodes else 0
+        words = [word for node in nodes for word in node]
+        unlike = not width or any(len(node) != width for node in nodes)
+        if unlike or any(number(word) is None for word in words):
+            self.add(line, f"{name} is not numbers", "write 0 to 1")
+            return
+        for channel, column in enumerate(zip(*nodes, strict=True)):
+            values = [float(word) for word in column]
+            of = f"{name} of {'RGB'[channel]}" if width == 3 else name
+            self.of_codes &= values[0] >= 0.0 and values[-1] <= 1.0
+            if any(a > b for a, b in pairwise(values)):
+                self.add(line, f"{of} is reversed", "write the lower end first")
+            elif not values[0] < values[-1]:
+                self.add(line, f"{of} is empty", "write 0 to 1")
+            elif values[-1] in _HIGHEST_CODES:
+                problem = f"{of} goes up to {values[-1]:g}, where OpenColorIO's codes go to 1"
+                self.add(line, problem, "write 0 to 1", WARNING)
+
+    def tables(self) -> list[Table]:
+        """What there is to check of all this."""
+        solid = self._solid()
+        if self.size is None and self.solid is not None:
+            return solid
+        line = promised = None
+        if self.size is None:
+            self.add(None, "no size is given", "write how many entries follow")
+        else:
+            line, text = self.size
+            promised = count(text)
+            if promised is None:
+                shown = text if len(text) < 40 else f"{text[:40]}..."
+                self.add(line, f"the size is {shown!r}", "write how many entries follow")
+        if self.more and self.solid is None and promised is not None:
+            total = len(self.rows) + self.more
+            self.add(line, f"{total} entries where {promised} are promised", "export it again")
+        findings = tuple(self.findings)
+        return [Table(self.rows, promised, findings, line, of_codes=self.of_codes), *solid]
+
+    def _solid(self) -> list[Table]:
+        """A 3-D LUT is no curve to check, but has as many entries as it promises."""
+        if self.solid is None:
+            return []
+        line, text = self.solid
+        edge = count(text)
+        entries = self.more if self.size else len(self.rows) + self.more
+        if edge is None or entries != edge**3:
+            problem = f"it is a 3-D LUT with {entries} entries where {text[:40]}^3 are promised"
+            return [broken(self.path, line, problem, "export it again")]
+        found = tuple(self.findings) if self.size is None else ()
+        return [Table([(None, [0.0]), (None, [1.0])], findings=found)]
+
+
+def _keyed(path: Path, lines: _Lines) -> list[Table]:
+    """.spi1d and .cube: keywords, then rows."""
+    read = _Read(path)
+    ends: dict[str, tuple[int, list[str]]] = {}
+    unknown = 0
+    for line, words in lines:
         key, values = words[0].lower(), words[1:]
         if key in ("length", "lut_1d_size") and values:
-            size = number, values[-1]
+            read.size = line, values[-1]
+        elif key == "lut_3d_size" and values:
+            read.solid = line, values[-1]
         elif key in ("from", "lut_1d_input_range") and len(values) == 2:
-            findings += _domain(path, number, "the domain", [[value] for value in values])
+            read.domain(line, "the domain", [[value] for value in values])
         elif key in ("domain_min", "domain_max"):
-            ends[key] = number, [float(v) for v in values if _NUMBER.fullmatch(v)]
-        elif _NUMBER.fullmatch(key):
-            row = [float(word) for word in words if _NUMBER.fullmatch(word)]
-            if len(row) < len(words):
-                problem = "a row is not numbers"
-                findings.append(Finding(path, number, ERROR, problem, "export it again"))
-            rows.append((number, row))
+            ends[key] = line, values
+        elif number(key) is not None:
+            read.row(line, words)
+        elif key not in _KEYWORDS and unknown < _MOST_UNKNOWN:
+            unknown += 1
+            read.add(line, f"no keyword {words[0][:40]!r} is known", "check the line", WARNING)
     if ends:
         line = min(line for line, _ in ends.values())
-        low, high = (ends.get(k, (0, d))[1] for k, d in _DEFAULT_ENDS)
-        domain = [[str(v) for v in low], [str(v) for v in high]]
-        findings += _domain(path, line, "the domain", domain)
-    return _sized(path, rows, size, findings)
+        low, high = (ends.get(k, (0, [default] * 3))[1] for k, default in _DEFAULT_ENDS)
+        read.domain(line, "the domain", [low, high])
+    return read.tables()
 
 
-_DEFAULT_ENDS = (("domain_min", [0.0, 0.0, 0.0]), ("domain_max", [1.0, 1.0, 1.0]))
+_DEFAULT_ENDS = (("domain_min", "0"), ("domain_max", "1"))
 
 
-def _csp(path: Path, lines: _Lines) -> Table:
-    """cineSpace: three shapers (size, input, output), the size, then rows."""
-    body = [line for line in lines if line[1][0].upper() not in ("CSPLUTV100", "1D")]
-    findings: list[Finding] = []
-    for name, start in zip("RGB", range(0, 9, 3), strict=True):
-        for what, (number, words) in zip(("domain", "shaper"), body[start + 1 :], strict=False):
-            findings += _domain(path, number, f"the {what} of {name}", [[word] for word in words])
-    size = next(((n, words[0]) for n, words in body[9:10] if len(words) == 1), None)
-    rows: list[Row] = [
-        (number, [float(word) for word in words if _NUMBER.fullmatch(word)])
-        for number, words in body[9 if size is None else 10 :]
-    ]
-    return _sized(path, rows, size, findings)
-
-
-def _sized(
-    path: Path, rows: list[Row], size: tuple[int, str] | None, findings: list[Finding]
-) -> Table:
-    if size is None:
-        missing = Finding(path, None, ERROR, "no size is given", "write how many entries follow")
-        return Table(rows, None, (*findings, missing))
-    line, text = size
-    if not text.isdecimal():
-        wrong = Finding(path, line, ERROR, f"the size is {text!r}", "write how many entries follow")
-        return Table(rows, None, (*findings, wrong))
-    return Table(rows, int(text), tuple(findings), line)
-
-
-def _domain(path: Path, line: int, name: str, nodes: Sequence[Sequence[str]]) -> list[Finding]:
-    """Check nodes that shall increase, each given for one channel or for R, G, B."""
-
-    def error(problem: str, remedy: str, severity: str = ERROR) -> list[Finding]:
-        return [Finding(path, line, severity, problem, remedy)]
-
-    width = len(nodes[0]) if nodes else 0
-    words = [word for node in nodes for word in node]
-    if not all(map(_NUMBER.fullmatch, words)) or any(len(n) != width for n in nodes) or not width:
-        return error(f"{name} is not numbers", "write 0 to 1")
-    for channel, column in enumerate(zip(*nodes, strict=True)):
-        values = [float(word) for word in column]
-        of = f"{name} of {'RGB'[channel]}" if width == 3 else name
-        if any(a > b for a, b in pairwise(values)):
-            return error(f"{of} is reversed", "write the lower end first")
-        if not values[0] < values[-1]:
-            return error(f"{of} is empty", "write 0 to 1")
-        if values[-1] > _HIGHEST_CODE:
-            problem = f"{of} goes up to {values[-1]:g}, where OpenColorIO's codes go to 1"
-            return error(problem, "write 0 to 1", WARNING)
-    return []
+def _csp(path: Path, lines: _Lines) -> list[Table]:
+    """cineSpace: a shaper for each channel (size, input, output), the size, then rows."""
+    read = _Read(path)
+    _, words = next(lines, (0, [""]))
+    if words[0].upper() != "CSPLUTV100":
+        return [broken(path, 1, "it does not begin with CSPLUTV100", "export it again")]
+    _, kind = next(lines, (0, [""]))
+    line = 0
+    for name in "RGB":
+        line, words = next(lines, (line, []))
+        if words in (["0"], ["1"]):
+            continue  # an identity
+        for what in ("domain", "shaper"):
+            line, words = next(lines, (line, []))
+            if not words:
+                return [broken(path, None, "it ends before its table", "copy it again")]
+            read.domain(line, f"the {what} of {name}", [[word] for word in words])
+    line, words = next(lines, (line, []))
+    if kind[0].upper() == "3D" and len(words) == 3:
+        return []  # no curve; OpenColorIO counts its entries
+    if len(words) == 1:
+        read.size = line, words[0]
+    elif words:
+        read.row(line, words)
+    for line, words in lines:
+        read.row(line, words)
+    return read.tables()
