@@ -49,5 +49,16 @@ def ocio_config(luts: tuple[Path, ...], output: Path, primaries: str | None, **c
     written = write_config(luts, output, primaries=given, **choices)
     config, *files = written
     what = f"config with {len(files)} files beside it" if files else "config with its LUTs inside"
+    if choices["merge"]:
+        what += f", profile version {_profile_version(config)} as before"
     click.echo(one_line(f"{config}: {what}"))
     return DONE
+
+
+def _profile_version(config: Path) -> str:
+    """The version that hosts must read, and whether Blender does."""
+    from facecrf_ocio.ocio_config import NEWEST_OF_BLENDER, profile_version
+
+    version = profile_version(config)
+    newer = version > NEWEST_OF_BLENDER
+    return f"{version[0]}.{version[1]}" + (", newer than Blender 5.0 reads (2.4)" if newer else "")

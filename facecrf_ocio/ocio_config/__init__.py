@@ -2,6 +2,7 @@
 
 from facecrf_ocio.ocio_config.entries import Entry, name_luts
 from facecrf_ocio.ocio_config.find import PhotoLut, find_luts
+from facecrf_ocio.ocio_config.staging import NEWEST_OF_BLENDER, profile_version
 from facecrf_ocio.ocio_config.write_config import (
     DEFAULT_PHOTO,
     MOST_SPACES,
@@ -14,6 +15,7 @@ from facecrf_ocio.ocio_config.write_config import (
 __all__ = [
     "DEFAULT_PHOTO",
     "MOST_SPACES",
+    "NEWEST_OF_BLENDER",
     "VARIABLE",
     "VARIABLE_SPACE",
     "Entry",
@@ -21,5 +23,6 @@ __all__ = [
     "PhotoLut",
     "find_luts",
     "name_luts",
+    "profile_version",
     "write_config",
 ]

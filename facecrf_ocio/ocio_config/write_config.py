@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -19,11 +17,14 @@ from facecrf_ocio.color.working_space import (
     working_primaries,
     working_space_matrix,
 )
-from facecrf_ocio.errors import LutError, OutputError, SettingsError, reason_of
-from facecrf_ocio.files.atomic import Draft, require_free, write_files
+from facecrf_ocio.errors import LutError, OutputError, SettingsError
+from facecrf_ocio.files.atomic import require_free
+from facecrf_ocio.ocio_config.description import describe
 from facecrf_ocio.ocio_config.entries import Entry, name_luts, safe
 from facecrf_ocio.ocio_config.find import PhotoLut, find_luts
+from facecrf_ocio.ocio_config.moved import keep_paths
 from facecrf_ocio.ocio_config.own import REFERENCE, matrix_transform, own_config
+from facecrf_ocio.ocio_config.staging import REFUSED, write_staged
 from facecrf_ocio.values import Primaries
 
 Form = Literal["auto", "spaces", "variable"]
@@ -33,8 +34,10 @@ MOST_SPACES = 500
 VARIABLE = "FACECRF_PHOTO"
 VARIABLE_SPACE = "facecrf_photo"
 DEFAULT_PHOTO = "facecrf_default_srgb"
-_NEWEST_PROFILE = (2, 4)  # Blender 5.0 reads none newer
-_REFUSED = (ocio.Exception, ocio.ExceptionMissingFile)  # the second is no kind of the first
+_UPGRADE = (
+    "in Python, config = PyOpenColorIO.Config.CreateFromFile(NAME), then "
+    "config.upgradeToLatestVersion() and config.serialize() give one of version 2; merge that"
+)
 
 
 def write_config(
@@ -84,7 +87,8 @@ def write_config(
     LutError
         If a LUT cannot be read.
     SettingsError
-        If the config to extend cannot be used.
+        If the config to extend cannot be used; its profile version, which is kept, must be 2 or
+        one that the installed OpenColorIO reads.
     OutputError
         If a file exists and `overwrite` is false, or cannot be written.
     """
@@ -103,7 +107,7 @@ def write_config(
         files |= _add_variable(base, entries, chain)
     else:
         _add_spaces(base, entries, chain)
-    return _write(base, output, folder, files, overwrite)
+    return write_staged(base, output, folder, files, overwrite)
 
 
 def _content(lut: Path) -> bytes:
@@ -124,28 +128,14 @@ def _base(merge: str | None, space: str | None, output: Path) -> Any:
         raise SettingsError(f"{merge}: is packed; unpack it (ocioarchive --extract) and name that")
     try:
         config = ocio.Config.CreateFromFile(merge)
-    except _REFUSED as error:
+    except REFUSED as error:
         problem = str(error).strip().partition("\n")[0]
         raise SettingsError(f"{merge}: not a config ({problem}); check the name") from error
-    version = (config.getMajorVersion(), config.getMinorVersion())
-    if not (2, 0) <= version <= _NEWEST_PROFILE:
-        raise SettingsError(
-            f"{merge}: has profile version {version[0]}.{version[1]}; use one of 2.0 to 2.4"
-        )
+    if config.getMajorVersion() < 2:
+        raise SettingsError(f"{merge}: has profile version 1; {_UPGRADE}")
     if not merge.startswith("ocio://"):
-        _keep_paths(config, Path(merge).resolve().parent, output.resolve().parent)
+        keep_paths(config, Path(merge).resolve().parent, output.resolve().parent)
     return config
-
-
-def _keep_paths(config: Any, home: Path, target: Path) -> None:
-    """Let a config's relative search paths mean what they did when it moves to another folder."""
-    if home == target:
-        return
-    paths = list(config.getSearchPaths()) or [""]
-    config.clearSearchPaths()
-    for path in paths:
-        variable = path.startswith(("$", "%"))
-        config.addSearchPath(path if variable else str(home / path))
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,6 +160,13 @@ class _Chain:
         """(3, 3) from a LUT's linear RGB to the target."""
         if lut.space:
             return working_space_matrix(working_primaries(lut.space), self.target)
+        if lut.leads_to is not None:
+            return working_space_matrix(lut.leads_to, self.target)
+        if lut.mixes and self.primaries is None:
+            raise LutError(
+                f"{lut.path}: mixes channels and does not say which RGB it leads to; pass "
+                "--primaries, or a LUT that keeps them apart"
+            )
         return working_space_matrix(self.primaries or lut.primaries, self.target)
 
     def steps(self, lut: PhotoLut) -> list[Any]:
@@ -224,7 +221,7 @@ def _has_categories(config: Any) -> bool:
 
 def _add_spaces(config: Any, entries: Sequence[Entry], chain: _Chain) -> None:
     for entry in entries:
-        text = "One photo, by its own curve."
+        text = describe(entry.lut, chain.primaries)
         _add_space(config, entry.name, [entry.file], chain.steps(entry.lut), text)
     # Before the config's own rules, of which one for all JPEGs would hide these; and first those
     # that ask for most, since folder/a.jpg is an a.jpg, too.
@@ -269,57 +266,3 @@ def _srgb_table() -> bytes:
     codes = np.linspace(0.0, 1.0, 4096)
     rows = "".join(f"{value:.9g}\n" for value in decode_srgb(codes))
     return f"Version 1\nFrom 0 1\nLength 4096\nComponents 1\n{{\n{rows}}}\n".encode()
-
-
-def _write(
-    config: Any, output: Path, folder: str, files: dict[str, bytes], overwrite: bool
-) -> tuple[Path, ...]:
-    try:
-        with tempfile.TemporaryDirectory(prefix="facecrf-") as name:
-            content = _staged(config, Path(name), output, folder, files)
-    except OSError as error:
-        raise OutputError(f"{output}: no room to prepare it ({error.strerror})") from error
-    drafts = [Draft(output, content, _accept)]
-    if output.suffix.lower() == ".ocioz":
-        return write_files(drafts, overwrite=overwrite)
-    luts = output.parent / folder
-    created = not luts.exists()
-    try:
-        luts.mkdir(exist_ok=True)
-        drafts += [Draft(luts / name, data, _accept) for name, data in files.items()]
-        return write_files(drafts, overwrite=overwrite)
-    except OSError as error:
-        problem = reason_of(error)
-        raise OutputError(f"{luts}: cannot be written: {problem}; choose another folder") from error
-    finally:
-        if created:
-            with suppress(OSError):  # keeps a folder with files
-                luts.rmdir()
-
-
-def _staged(config: Any, stage: Path, output: Path, folder: str, files: dict[str, bytes]) -> bytes:
-    """The output's bytes, once OpenColorIO has read it back with its LUTs beside it."""
-    (stage / folder).mkdir()
-    for name, data in files.items():
-        (stage / folder / name).write_bytes(data)
-    try:
-        config.setWorkingDir(str(stage))
-        config.validate()
-        text: str = config.serialize()
-        plain = stage / "config.ocio"
-        plain.write_text(text, encoding="utf-8")
-        ocio.Config.CreateFromFile(str(plain)).validate()
-        if output.suffix.lower() == ".ocio":
-            return text.encode()
-        packed = stage / "config.ocioz"
-        plain.unlink()
-        config.archive(str(packed))
-        ocio.Config.CreateFromFile(str(packed)).validate()
-        return packed.read_bytes()
-    except _REFUSED as error:
-        problem = str(error).strip().replace("\n", " ")
-        raise SettingsError(f"{output}: not a config OpenColorIO takes ({problem})") from error
-
-
-def _accept(_: Path) -> None:
-    """Staged content was read back already."""

@@ -1,0 +1,203 @@
+"""A config that photos are added to goes on doing all that it did."""
+
+from __future__ import annotations
+
+import shutil
+import site
+from pathlib import Path
+
+import numpy as np
+import PyOpenColorIO as ocio  # noqa: N813
+import pytest
+from command_line import CommandLine
+from config_spaces import lost, read
+from host_environments import CACHE
+from lut_files import CURVE, MIXES, REC709_TO_AP1, matrix, write_clf
+from photo_files import GRID
+
+from facecrf_ocio.color.primaries import known_primaries
+from facecrf_ocio.color.working_space import working_space_matrix
+from facecrf_ocio.errors import LutError, SettingsError
+from facecrf_ocio.lut.write import write_lut
+from facecrf_ocio.ocio_config import write_config
+from facecrf_ocio.record.outputs import write_outputs
+from facecrf_ocio.settings import Settings
+from facecrf_ocio.values import Confidence, Estimate, InverseCRF, Outcome, Photo, Verdict
+
+GAMMA = InverseCRF(GRID, np.stack([GRID**2.2] * 3))
+BUILT_IN = [name for name, *_ in ocio.BuiltinConfigRegistry().getBuiltinConfigs()]
+STUDIO = """ocio_profile_version: 2
+{search}
+environment: {{SHOT: one, PLACE: luts}}
+roles: {{scene_linear: lin, default: lin, aces_interchange: lin}}
+displays: {{d: [!<View> {{name: v, colorspace: looked}}]}}
+colorspaces:
+  - !<ColorSpace> {{name: lin}}
+  - !<ColorSpace>
+    name: looked
+    from_scene_reference: !<FileTransform> {{src: "{src}"}}
+"""
+
+
+@pytest.fixture
+def lut(tmp_path: Path) -> Path:
+    (tmp_path / "in").mkdir()
+    return write_lut(GAMMA, tmp_path / "in" / "p.spi1d")
+
+
+def studio(folder: Path, search: str, src: str) -> Path:
+    (folder / "luts" / "one").mkdir(parents=True)
+    look = write_lut(InverseCRF(GRID, np.stack([GRID**3.0] * 3)), folder / "luts" / "look.spi1d")
+    shutil.copy(look, folder / "luts" / "one" / "shot.spi1d")
+    (folder / "studio.ocio").write_text(STUDIO.format(search=search, src=src))
+    return folder / "studio.ocio"
+
+
+@pytest.mark.parametrize("where", ["in its own folder", "into another"])
+@pytest.mark.parametrize(
+    ("search", "src"),
+    [
+        ("", "luts/look.spi1d"),
+        ("search_path: luts", "look.spi1d"),
+        ("search_path: ['.', luts]", "look.spi1d"),
+        ("search_path: $PLACE", "look.spi1d"),
+        ("search_path: luts/$SHOT", "shot.spi1d"),
+        ("search_path: '${PLACE}/${SHOT}'", "shot.spi1d"),
+        ("", "luts/${SHOT}/shot.spi1d"),
+    ],
+)
+def test_every_space_goes_on(search: str, src: str, where: str, lut: Path, tmp_path: Path) -> None:
+    before = studio(tmp_path / "a studio", search, src)
+    after = (before.parent if "own" in where else tmp_path) / "new.ocio"
+    write_config([lut], after, merge=str(before))
+    count, unlike = lost(read(before), read(after))
+    assert (count, unlike) == (3, [])
+    assert "facecrf_p" in read(after).getColorSpaceNames()
+
+
+def test_a_path_that_begins_with_an_absolute_variable_goes_on(
+    lut: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = studio(tmp_path / "studio", "search_path: $STUDIO/luts", "look.spi1d")
+    # A config that lists variables knows no others.
+    text = before.read_text().replace("environment: {SHOT: one, PLACE: luts}\n", "")
+    before.write_text(text)
+    monkeypatch.setenv("STUDIO", str(tmp_path / "studio"))
+    write_config([lut], tmp_path / "new.ocio", merge=str(before))
+    assert lost(read(before), read(tmp_path / "new.ocio")) == (3, [])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["default", *BUILT_IN])
+def test_built_in_configs_go_on_in_their_own_version(
+    name: str, lut: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    output = tmp_path / "new.ocio"
+    ended = CommandLine(capfd)("ocio-config", lut, "-o", output, "--merge", f"ocio://{name}")
+    assert ended.code == 0
+    before, after = read(f"ocio://{name}"), read(output)
+    versions = [(c.getMajorVersion(), c.getMinorVersion()) for c in (before, after)]
+    assert versions[0] == versions[1]
+    told = f"profile version {versions[0][0]}.{versions[0][1]}"
+    assert told in ended.out
+    assert ("newer than Blender 5.0 reads" in ended.out) == (versions[0] > (2, 4))
+    count, unlike = lost(before, after)
+    assert unlike == []
+    assert count >= len(before.getColorSpaceNames())
+    to_acescg = working_space_matrix(None, "acescg")
+    pixels = np.full((1, 3), 0.5, np.float32)
+    after.getProcessor("facecrf_p", "ACEScg").getDefaultCPUProcessor().applyRGB(pixels)
+    assert np.allclose(pixels, to_acescg @ np.full(3, 0.5**2.2), atol=1e-4)
+
+
+def test_profile_1_is_told_the_way(lut: Path, tmp_path: Path) -> None:
+    old = ocio.Config()
+    old.setVersion(1, 0)
+    (tmp_path / "old.ocio").write_text(
+        "ocio_profile_version: 1\nroles: {default: raw, scene_linear: raw}\n"
+        "displays: {d: [!<View> {name: v, colorspace: raw}]}\n"
+        "colorspaces: [!<ColorSpace> {name: raw}]\n"
+    )
+    with pytest.raises(SettingsError, match=r"has profile version 1; .*upgradeToLatestVersion"):
+        write_config([lut], tmp_path / "n.ocio", merge=str(tmp_path / "old.ocio"))
+    upgraded = read(tmp_path / "old.ocio")
+    upgraded.upgradeToLatestVersion()
+    (tmp_path / "two.ocio").write_text(upgraded.serialize())
+    merge = str(tmp_path / "two.ocio")
+    write_config([lut], tmp_path / "n.ocio", merge=merge, reference="lin_rec709")
+    assert "facecrf_p" in read(tmp_path / "n.ocio").getColorSpaceNames()
+
+
+def blender_config() -> Path:
+    """The config that Blender's wheel brings, here or in the hosts' environments."""
+    folders = [Path(folder) for folder in site.getsitepackages()]
+    folders += sorted(CACHE.glob("bpy-*/lib/python*/site-packages"))
+    for folder in folders:
+        for found in sorted(folder.glob("bpy/*/datafiles/colormanagement/config.ocio")):
+            return found
+    pytest.skip("Blender's config is not here; install bpy into an environment of its own")
+
+
+@pytest.mark.slow
+def test_blenders_own_config_goes_on(lut: Path, tmp_path: Path) -> None:
+    before, output = blender_config(), tmp_path / "new.ocio"
+    write_config([lut], output, merge=str(before))
+    after = read(output)
+    count, unlike = lost(read(before), after)
+    assert unlike == []
+    assert count > 30
+    assert "Non-Color" in after.getColorSpaceNames()
+    assert "AgX" in after.getViews("sRGB")
+    pixels = np.full((1, 3), 0.5, np.float32)
+    after.getProcessor("facecrf_p", "scene_linear").getDefaultCPUProcessor().applyRGB(pixels)
+    assert np.allclose(pixels, 0.5**2.2, atol=1e-4)
+
+
+class TestDescriptions:
+    def test_say_what_the_record_tells(self, tmp_path: Path) -> None:
+        sigma = np.full((3, GRID.size), 0.02)
+        confidence = Confidence(sigma, sigma, Verdict.WEAK, ("few faces",))
+        estimate = Estimate(
+            Outcome.CALIBRATED, "joint", "found", found=GAMMA, confidence=confidence
+        )
+        p3 = known_primaries("Display P3", "ICC profile")
+        photo = Photo(np.zeros((2, 3, 3), np.float32), path=Path("a.jpg"), primaries=p3)
+        write_outputs(photo, estimate, Settings(), tmp_path / "luts", ["spi1d"])
+        write_config([tmp_path / "luts"], tmp_path / "c.ocio")
+        told = read(tmp_path / "c.ocio").getColorSpace("facecrf_a").getDescription()
+        assert told.splitlines() == [
+            "Source: a.jpg, through a.spi1d.",
+            "Curve: calibrated by joint, weak.",
+            "Expected error: 2.0 % of white.",
+            "Primaries: Display P3 by ICC profile. Exposure: relative, known up to one factor.",
+        ]
+
+    def test_of_a_lut_without_a_record(self, lut: Path, tmp_path: Path) -> None:
+        write_config([lut], tmp_path / "c.ocio")
+        told = read(tmp_path / "c.ocio").getColorSpace("facecrf_p").getDescription()
+        assert "taken for Rec.709" in told
+
+
+class TestWhereLutsLead:
+    """The rule of `apply`."""
+
+    def test_by_their_own_matrix(self, tmp_path: Path) -> None:
+        lut = write_clf(tmp_path / "a.clf", CURVE, matrix(REC709_TO_AP1))
+        write_config([lut], tmp_path / "c.ocio", space="acescg")
+        pixels = np.array([[0.5, 0.5, 1.0]], np.float32)
+        config = read(tmp_path / "c.ocio")
+        config.getProcessor("facecrf_a", "ACEScg").getDefaultCPUProcessor().applyRGB(pixels)
+        wanted = np.reshape(REC709_TO_AP1, (3, 3)) @ [0.21, 0.21, 1.0]
+        assert np.allclose(pixels[0], wanted, atol=1e-4)
+
+    def test_those_that_lead_nowhere_known_are_refused(self, tmp_path: Path) -> None:
+        lut = write_clf(tmp_path / "a.clf", CURVE, matrix(MIXES))
+        with pytest.raises(LutError, match="mixes channels and does not say which RGB"):
+            write_config([lut], tmp_path / "c.ocio")
+        primaries = known_primaries("Rec.709", "assumed")
+        write_config([lut], tmp_path / "c.ocio", primaries=primaries)
+
+    def test_those_that_encode_are_refused(self, tmp_path: Path) -> None:
+        lut = write_lut(GAMMA, tmp_path / "a.cube", direction="encode")
+        with pytest.raises(LutError, match="it encodes, by the shape of its curve"):
+            write_config([lut], tmp_path / "c.ocio")
