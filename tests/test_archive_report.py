@@ -148,7 +148,9 @@ def test_curves_and_bands_are_those_of_the_sidecars(archive):
     page = page_of(archive)
     row = page.row("film.jpg")
     text = json.loads(page.texts["curves"])[page.data["columns"]["curve"][row]]
-    linear, half = np.frombuffer(base64.b64decode(text), "<u2").reshape(2, -1) / 65535
+    linear, half, above, half_stops = (
+        np.frombuffer(base64.b64decode(text), "<u2").reshape(4, -1) / 65535
+    )
     record = read_sidecar(archive / "film.jpg.crf.json")
     codes = np.linspace(0, 1, linear.size)
     there = record.curve.encoded
@@ -159,6 +161,13 @@ def test_curves_and_bands_are_those_of_the_sidecars(archive):
     mean = 100 * 1.645 * np.mean(record.confidence.sigma)
     assert page.data["columns"]["band"][row] == pytest.approx(mean, abs=0.01)
     expected = record.confidence.in_stops
+    grid = np.linspace(0, 1, 256)
+    srgb = np.where(grid <= 0.04045, grid / 12.92, ((grid + 0.055) / 1.055) ** 2.4)
+    ratio = np.interp(grid, there, record.curve.linear[1])[1:] / srgb[1:]
+    stops = np.interp(codes[2:], grid[1:], np.log2(ratio / ratio[127]))
+    assert np.abs(8 * (2 * above[2:] - 1) - stops).max() <= 1e-3
+    shown = np.interp(codes, grid, 1.645 * expected.sigma[1])
+    assert np.abs(8 * half_stops - np.minimum(shown, 8)).max() <= 1e-3
     assert page.data["columns"]["stops"][row] == pytest.approx(expected.mid, abs=0.001)
     assert page.data["columns"]["shadows"][row] == pytest.approx(expected.shadows, abs=0.001)
 
@@ -358,7 +367,7 @@ def test_cameras_misfits_brackets_and_duplicates_are_told(archive):
     assert (group["members"], group["misfits"], group["verdict"]) == (2, 1, "weak")
     assert (bracket["photos"], bracket["stops"], bracket["rmse"]) == (3, 4.0, 2.1)
     text = json.loads(page.texts["curves"])[group["curve"]]
-    linear = np.frombuffer(base64.b64decode(text), "<u2").reshape(2, -1)[0] / 65535
+    linear = np.frombuffer(base64.b64decode(text), "<u2").reshape(4, -1)[0] / 65535
     assert linear[linear.size // 2] == pytest.approx(0.2, abs=1e-5)
     misfit = dict(zip(page.data["columns"]["name"], page.data["columns"]["misfit"], strict=True))
     assert {name: value for name, value in misfit.items() if value} == {"sub/n001.png": 4.25}

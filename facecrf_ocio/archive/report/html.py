@@ -15,14 +15,19 @@ from typing import TypeVar
 from facecrf_ocio import __version__
 from facecrf_ocio.archive.report.contents import KINDS, Archive, Bracket, Group, Row
 from facecrf_ocio.archive.report.pictures import SIDE, Pictures
-from facecrf_ocio.archive.report.small_curves import CurveList, drawn_from_json, srgb_samples
+from facecrf_ocio.archive.report.small_curves import (
+    STOPS_RANGE,
+    CurveList,
+    drawn_from_json,
+    srgb_samples,
+)
 
 BLOCK = 50
 """Photos whose pictures stand in one block, which is parsed when one of them is shown."""
 
 # Parts of the one script, in the order in which they stand in it: later ones use earlier ones.
 _PARTS = (
-    *("elements", "curves", "pictures", "rows", "choice", "table", "pages", "detail"),
+    *("elements", "curves", "stops", "pictures", "rows", "choice", "table", "pages", "detail"),
     *("summary", "sections", "cameras", "brackets", "filters", "start"),
 )
 
@@ -73,6 +78,7 @@ def render(
         "block": BLOCK,
         "pictured": len(pictures),
         "srgb": srgb_samples(),
+        "stopsRange": STOPS_RANGE,
         "groups": [_group(group, curves) for group in archive.groups],
         "brackets": [_bracket(bracket, curves) for bracket in archive.brackets],
         "columns": columns,

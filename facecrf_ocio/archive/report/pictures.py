@@ -96,7 +96,7 @@ def _curve_of(sidecar: Sidecar | None) -> tuple[DrawnCurve | None, tuple[float, 
         return None, None
     told = sidecar.confidence.in_stops
     expected = None if told is None else (told.mid, told.shadows)
-    return drawn(sidecar.curve, sidecar.confidence.sigma), expected
+    return drawn(sidecar.curve, sidecar.confidence.sigma, told), expected
 
 
 class _MissingError(Exception):

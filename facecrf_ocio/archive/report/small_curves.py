@@ -10,13 +10,17 @@ from typing import Any
 import numpy as np
 
 from facecrf_ocio.errors import SettingsError
+from facecrf_ocio.response.expected_stops import expected_of_sigma
 from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import dorf_model
-from facecrf_ocio.response.stops import NINETY_PERCENT
-from facecrf_ocio.values import CHANNELS, Float, InverseCRF
+from facecrf_ocio.response.stops import CODES, NINETY_PERCENT, log_light, uniform
+from facecrf_ocio.values import CHANNELS, Float, InStops, InverseCRF
 
 SAMPLES = 33
 """Points of a drawn curve, at uniform code values."""
+
+STOPS_RANGE = 8.0
+"""[stop] Beyond this from sRGB no curve is drawn."""
 
 _FULL = 65535
 
@@ -28,8 +32,10 @@ class DrawnCurve:
     Attributes
     ----------
     text
-        Base64 of little-endian uint16, 65,535 for 1: of each channel `SAMPLES` values of relative
-        linear light, then as many half widths of the 90 % band. One channel if all are alike.
+        Base64 of little-endian uint16: of each channel `SAMPLES` values of relative linear light
+        and as many half widths of the 90 % band, 65,535 for 1; then stops above sRGB, equal at code
+        128, from 0 for -`STOPS_RANGE` to 65,535 for `STOPS_RANGE`, and half widths of the band in
+        stops, 65,535 for `STOPS_RANGE`. One channel if all are alike.
     band
         Half width of the 90 % band, the mean over code values and channels, times 100.
     """
@@ -38,7 +44,7 @@ class DrawnCurve:
     band: float
 
 
-def drawn(curve: InverseCRF, sigma: Float) -> DrawnCurve:
+def drawn(curve: InverseCRF, sigma: Float, in_stops: InStops | None = None) -> DrawnCurve:
     """Sample a curve.
 
     Parameters
@@ -47,13 +53,21 @@ def drawn(curve: InverseCRF, sigma: Float) -> DrawnCurve:
         Any curve.
     sigma
         (3, K) standard deviation of `curve.linear`.
+    in_stops
+        The same in stops; to first order that of `sigma` where it is not known.
     """
+    told = in_stops or expected_of_sigma(curve, sigma)
     codes = np.linspace(0.0, 1.0, SAMPLES)
     half = NINETY_PERCENT * np.nan_to_num(np.asarray(sigma, np.float64))
     rows = np.stack(
         [
             [np.interp(codes, curve.encoded, channel) for channel in curve.linear],
             [np.interp(codes, curve.encoded, channel) for channel in half],
+            [np.interp(codes, CODES / CODES[-1], channel) for channel in _above_srgb(curve)],
+            [
+                np.interp(codes, CODES / CODES[-1], NINETY_PERCENT / STOPS_RANGE * channel)
+                for channel in told.sigma
+            ],
         ],
         axis=1,
     )
@@ -62,6 +76,12 @@ def drawn(curve: InverseCRF, sigma: Float) -> DrawnCurve:
     whole = np.rint(np.clip(rows, 0.0, 1.0) * _FULL).astype("<u2")
     text = base64.b64encode(whole.tobytes()).decode()
     return DrawnCurve(text, round(100.0 * float(half.mean()), 2))
+
+
+def _above_srgb(curve: InverseCRF) -> Float:
+    """(3, 256) stops above sRGB, as a share of the range that is stored."""
+    srgb = log_light(fixed_curve("srgb", CODES / CODES[-1], dorf_model()))
+    return 0.5 + (log_light(uniform(curve)) - srgb) / (2.0 * STOPS_RANGE)
 
 
 def drawn_from_json(text: str) -> DrawnCurve | None:

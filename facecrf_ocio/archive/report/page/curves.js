@@ -13,10 +13,13 @@ function curveOf(index) {
     );
     const samples = DATA.srgb.length;
     const channels = [];
-    for (let at = 0; at < values.length; at += 2 * samples) {
+    for (let at = 0; at < values.length; at += 4 * samples) {
+      const row = (k) => values.slice(at + k * samples, at + (k + 1) * samples);
       channels.push({
-        linear: values.slice(at, at + samples),
-        half: values.slice(at + samples, at + 2 * samples),
+        linear: row(0),
+        half: row(1),
+        stops: row(2).map((v) => DATA.stopsRange * (2 * v - 1)),
+        halfStops: row(3).map((v) => DATA.stopsRange * v),
       });
     }
     curveCache.set(index, channels);

@@ -79,6 +79,10 @@ function show(row) {
           `Shaded: the 90 % band, ± ${C.band[row].toFixed(1)} % of white on average. ` +
              "Dashed: sRGB.",
         ),
+    curve < 0 ? null : plotStops(curve, 420, 240),
+    curve < 0
+      ? null
+      : el("p", {class: "hint"}, "The same in stops above sRGB, equal at code 128."),
   );
   dialog.replaceChildren(
     el(
