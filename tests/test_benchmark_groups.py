@@ -19,7 +19,7 @@ from facecrf_ocio.errors import PhotoError
 
 ONE = Result("paper", "joint", "a.exr", 0, "row 0", "Nikon", "camera_jpeg", None, "calibrated",
              "reliable", True, "", 0.05, 0.1, None, 0.0, 0.01, 0.01, 0.01, 0.01, 0.0, 0.9, 0.8,
-             0.1)  # fmt: skip
+             None, None, 0.1)  # fmt: skip
 
 
 def results_with(estimator, errors, verdict="reliable", **changes):

@@ -28,7 +28,7 @@ from facecrf_ocio.synthetic import SyntheticSpec, render_face
 GRID = np.linspace(0.0, 1.0, 1024)
 ONE = Result("day", "auto", "a.exr", 0, "row 0", "Nikon", "camera_jpeg", 0, "calibrated",
              "reliable", True, "", 0.1, 0.2, 0.1, 0.02, 0.03, 0.03, 0.03, 0.03, 0.01, 0.9, 0.8,
-             0.1)  # fmt: skip
+             0.08, 0.2, 0.1)  # fmt: skip
 
 
 def write_exr(path, linear):

@@ -246,7 +246,8 @@ def test_keys_change_with_whatever_a_result_depends_on(plan):
 
 def test_the_store_forgets_only_what_is_damaged(tmp_path):
     result = Result("paper", "mean", "a.exr", 0, "row 0", "", "", None, "fallback", "", True, "",
-                    0.1, 0.2, None, 0.0, 0.1, 0.1, 0.1, 0.1, 1 / 3, 0.9, None, 0.01)  # fmt: skip
+                    0.1, 0.2, None, 0.0, 0.1, 0.1, 0.1, 0.1, 1 / 3, 0.9, None, None, None,
+                    0.01)  # fmt: skip
     path = tmp_path / "new" / "cases.jsonl"
     store = Store(path, Result)
     store.append({"a": result, "b": result})

@@ -95,6 +95,15 @@ class TestCalibrate:
         assert curve is not None
         assert np.allclose(curve.linear, srgb_decoding(curve.encoded), atol=1e-6)
 
+    def test_nothing_is_written_where_more_error_is_expected_than_asked_for(
+        self, facecrf: CommandLine, photo: Path, out: Path
+    ) -> None:
+        ended = facecrf("calibrate", photo, "-o", out, "--max-error", "0.05", *BLIND)
+        assert ended.code == NOTHING
+        assert "stops, and 0.05 was asked for" in ended.err
+        assert names_in(out) == set()
+        assert facecrf("calibrate", photo, "-o", out, "--max-error", "2", *BLIND).code == DONE
+
     def test_only_the_formats_asked_for(self, facecrf: CommandLine, photo: Path, out: Path) -> None:
         assert facecrf("calibrate", photo, "-o", out, "--formats", "CUBE, clf", *BLIND).code == DONE
         assert names_in(out) == {"a.cube", "a.clf", "a.crf.json"}

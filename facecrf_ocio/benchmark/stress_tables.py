@@ -24,14 +24,15 @@ from facecrf_ocio.values import Float, Verdict
 LEGEND = """\
 In stops, with one free factor taken out at code 128: |log2(g / truth)|, its mean over codes 64 to
 235 (median, mean, 95th percentile and largest over the photos), over the shadows 16 to 64, and over
-the codes that each photo uses; bias: mean of log2(g / truth) over 64 to 235. RMSE: of g x 100 on
+the codes that each photo uses; expected: the mean of what the estimates say of their own error;
+bias: mean of log2(g / truth) over 64 to 235. RMSE: of g x 100 on
 1,024 uniform encoded values with g(1) = 1. band: share of codes within the 90 % band. < sRGB: share
 of photos nearer to the truth than sRGB decoding, over codes 64 to 235. reliable: share of photos
 with that verdict; right: how many of these are within 0.15 stops over codes 64 to 235, and nearer
 than sRGB decoding or within 0.05. A refused photo is scored as the mean curve. Responses are held
 out by fold and maker. day: what a day's photos go through, drawn at random."""
-_STOPS = ("photos|median|mean|95 %|max|bias|band %|shadows|95 %|used|< sRGB %|reliable %|right %|"
-          "refused %")  # fmt: skip
+_STOPS = ("photos|median|mean|expected|95 %|max|bias|band %|shadows|expected|95 %|used|< sRGB %|"
+          "reliable %|right %|refused %")  # fmt: skip
 _RMSE = "photos|median|mean|95 %|max|bias|band %"
 _BLIND = {"mean": "mean curve", "srgb": "sRGB decoding"}
 
@@ -86,12 +87,18 @@ def _in_stops(
     vouched = [r for r in group if r.verdict == Verdict.RELIABLE]
     right = mean_of(is_right(r.mid, srgb[_photo(r)]) for r in vouched)
     judged = group[0].estimator == "auto"
+    median, mean, high, largest = _spread(mid)
     return [
         str(len(group)),
-        *(f"{value:.3f}" for value in _spread(mid)),
+        f"{median:.3f}",
+        f"{mean:.3f}",
+        number(mean_of(r.expected_mid for r in group), 1, 3),
+        f"{high:.3f}",
+        f"{largest:.3f}",
         f"{np.mean([r.bias_stops for r in group]):+.3f}",
         number(mean_of(r.band_stops for r in group), 100, 0),
         f"{shadows.mean():.3f}",
+        number(mean_of(r.expected_shadows for r in group), 1, 3),
         f"{np.percentile(shadows, 95):.3f}",
         number(mean_of(r.used for r in group), 1, 3),
         number(mean_of(r.mid < srgb[_photo(r)] for r in group) if judged else None, 100, 0),
@@ -111,5 +118,5 @@ def _as_rmse(group: Sequence[Result]) -> list[str]:
 
 
 def _spread(errors: Float) -> tuple[float, float, float, float]:
-    median, largest = np.percentile(errors, [50, 95])
-    return float(median), float(errors.mean()), float(largest), float(errors.max())
+    median, high = np.percentile(errors, [50, 95])
+    return float(median), float(errors.mean()), float(high), float(errors.max())

@@ -41,6 +41,8 @@ class Result:
         See `metrics.Score`.
     rmse_red, rmse_green, rmse_blue
         Of each channel.
+    expected_mid, expected_shadows
+        What the estimate expected of `mid` and `shadows`; None where it does not say.
     seconds
         Time of the estimate, everything from detection on; never compared.
     """
@@ -68,6 +70,8 @@ class Result:
     bias: float
     band_coverage: float | None
     band_stops: float | None
+    expected_mid: float | None
+    expected_shadows: float | None
     seconds: float
 
 
@@ -197,6 +201,7 @@ def measure(subject: Subject, photo: Photo, counts: np.ndarray, asked: Asked) ->
         scored = calibrate(photo, estimator="mean", model=asked.prior)
     errors = score(scored.curve, scored.confidence, subject.truth, counts)
     red, green, blue = errors.rmse_channels
+    told = None if scored.confidence is None else scored.confidence.in_stops
     return Result(
         protocol=subject.protocol,
         estimator=asked.estimator,
@@ -221,6 +226,8 @@ def measure(subject: Subject, photo: Photo, counts: np.ndarray, asked: Asked) ->
         bias=errors.bias,
         band_coverage=errors.band_coverage,
         band_stops=errors.band_stops,
+        expected_mid=None if told is None else told.mid,
+        expected_shadows=None if told is None else told.shadows,
         seconds=seconds,
     )
 
