@@ -105,6 +105,46 @@ class Camera:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class GainMap:
+    """What brings a photo's encoded picture to the HDR rendition that its maker meant.
+
+    HDR light is (light + `base_offset`) * 2^g - `offset`, with g = `low` + (`high` - `low`) *
+    m^(1 / `gamma`) and m the map's value there (ISO 21496-1, which Ultra HDR and Adobe share; all
+    numbers (3,), of R, G, B). Apple's is 1 + (2^`high` - 1) * m instead of 2^g, m being linear.
+
+    Attributes
+    ----------
+    values
+        (h, w, 3) float32 in [0, 1], upright, coarser than the photo or alike.
+    low, high
+        [stop] Gain where the map is 0, and where it is 1.
+    gamma
+        Exponent by which the map is encoded.
+    base_offset, offset
+        [light, white of the encoded picture is 1] Added before, subtracted after.
+    standard
+        `Ultra HDR`, `ISO 21496-1` or `Apple`.
+    primaries
+        In which the gain is meant, if not in those of the encoded picture.
+    """
+
+    values: npt.NDArray[np.float32]
+    low: Float
+    high: Float
+    gamma: Float
+    base_offset: Float
+    offset: Float
+    standard: str
+    primaries: Primaries | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "values", frozen(self.values, np.float32))
+        numbers = (self.low, self.high, self.gamma, self.base_offset, self.offset)
+        if not all(np.shape(n) == (3,) and np.isfinite(n).all() for n in numbers):
+            raise SettingsError("a gain map needs three finite numbers for each of its parameters")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Photo:
     """One photo, upright, as encoded by its camera.
 
@@ -127,6 +167,8 @@ class Photo:
         What the metadata tell of the camera.
     path, sha256
         Source file and the digest of its bytes; None for an array in memory.
+    gain_map
+        None where the file has none, or none of use.
     notes
         What reading mended, chosen or set aside, in clauses; empty for a file without a flaw.
     """
@@ -140,6 +182,7 @@ class Photo:
     camera: Camera = field(default_factory=Camera)
     path: Path | None = None
     sha256: str | None = None
+    gain_map: GainMap | None = None
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:

@@ -6,7 +6,7 @@ Heavy modules are imported by the commands that need them, so that `facecrf --he
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -36,7 +36,10 @@ from facecrf_ocio.cli.terminal import (
     status,
     tell,
 )
-from facecrf_ocio.errors import OutputError
+from facecrf_ocio.errors import OutputError, SettingsError
+
+if TYPE_CHECKING:
+    from facecrf_ocio.values import Photo
 
 
 @click.group(epilog=EXIT_CODES, context_settings={"help_option_names": ["-h", "--help"]})
@@ -61,32 +64,60 @@ main.add_command(explain)
 @click.argument("photo", type=PHOTO_PATH)
 @exr_options
 @space_option("the EXR is tagged as such")
+@click.option(
+    "--hdr",
+    type=click.Choice(("auto", "curve", "map")),
+    default="auto",
+    show_default=True,
+    help="Light by the photo's gain map, with headroom above 1 as its maker rendered it; or by the "
+    "calibrated curve. By the map where there is one (auto), but with --to by the curve.",
+)
 @estimation_options
 @ending_well
 def linearize(
-    photo: Path, output: Path, half: bool, compression: str, space: str | None, **choices: Any
+    photo: Path,
+    output: Path,
+    half: bool,
+    compression: str,
+    space: str | None,
+    hdr: str,
+    **choices: Any,
 ) -> int:
     """Calibrate PHOTO and write it as a scene-linear EXR."""
     chosen = Choices(**choices)
     _require_exr_free(output, overwrite=chosen.overwrite)
+    if hdr == "map" and space:
+        raise SettingsError("--to needs scene light, which no gain map proves; use --hdr curve")
     written: tuple[Path, ...] = ()
+    exr = {"half": half, "compression": compression, "overwrite": chosen.overwrite}
     with status(f"linearizing {photo}"):
-        source, estimate = chosen.read_and_estimate(photo)
-        if estimate.found is not None:
+        source = chosen.read(photo)
+        by_map = hdr == "map" or (hdr == "auto" and source.gain_map is not None and not space)
+        if by_map:
+            from facecrf_ocio.image.hdr_rendition import write_rendition
+
+            rendition = write_rendition(output, source, **exr)
+        else:
             from facecrf_ocio.image.linearize import write_linear
 
-            written += (
-                write_linear(
-                    output,
-                    source,
-                    estimate,
-                    space=space or "",
-                    half=half,
-                    compression=compression,
-                    overwrite=chosen.overwrite,
-                ),
-            )
+            estimate = chosen.estimate(source)
+            if estimate.found is not None:
+                written = (write_linear(output, source, estimate, space=space or "", **exr),)
+    if by_map:
+        return _tell_rendition(photo, source, rendition)
     return tell(photo, estimate, written, notes=source.notes, verbose=chosen.verbose)
+
+
+def _tell_rendition(path: Path, photo: Photo, written: Path) -> int:
+    from facecrf_ocio.image.hdr_rendition import NOT_PROVEN, headroom
+
+    assert photo.gain_map is not None  # noqa: S101 - or it would not have been written
+    what = f"{photo.gain_map.standard}, {headroom(photo.gain_map):.1f} stops of headroom"
+    click.echo(one_line(f"{path}: by its gain map ({what}): {NOT_PROVEN}"))
+    for note in photo.notes:
+        click.echo(one_line(f"  note: {note}"))
+    click.echo(one_line(f"  {written}"))
+    return DONE
 
 
 @main.command()

@@ -122,12 +122,22 @@ class Choices:
         """The default settings, changed as asked."""
         return Settings(shared_curve=self.per_channel is False)
 
+    def read(self, path: Path) -> Photo:
+        """Read one photo."""
+        from facecrf_ocio import read_photo
+
+        return read_photo(path)
+
     def read_and_estimate(self, path: Path) -> tuple[Photo, Estimate]:
         """Read one photo and estimate its curve."""
-        from facecrf_ocio import calibrate, read_photo
+        photo = self.read(path)
+        return photo, self.estimate(photo)
+
+    def estimate(self, photo: Photo) -> Estimate:
+        """Estimate the curve of a photo."""
+        from facecrf_ocio import calibrate
         from facecrf_ocio.record.demand import Demand, demand
 
-        photo = read_photo(path)
         estimate = calibrate(
             photo,
             estimator=self.estimator,
@@ -135,7 +145,7 @@ class Choices:
             prior=self.prior,
             settings=self.settings,
         )
-        return photo, demand(estimate, Demand(self.min_confidence, self.max_error))
+        return demand(estimate, Demand(self.min_confidence, self.max_error))
 
     def estimate_together(self, paths: tuple[Path, ...]) -> Together:
         """One curve from all photos, which one camera took."""

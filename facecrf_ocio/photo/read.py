@@ -14,6 +14,7 @@ import OpenImageIO as oiio  # noqa: N813
 from facecrf_ocio.color.primaries import known_primaries, name_primaries
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import complaint, plain_text
+from facecrf_ocio.photo.gain_map import jpeg_gain_map
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_file, check_size
 from facecrf_ocio.photo.picture import (
     PhotoFile,
@@ -117,6 +118,7 @@ def _read_image(file: PhotoFile, picture: Picture, sha256: str) -> Photo:
     scene_linear = _is_scene_linear(spec, icc)
     bits = spec.get_int_attribute("oiio:BitsPerSample", 8 * spec.format.size())
     turn = orientation_of(spec, file.xmp)
+    gain_map, set_aside = (None, ()) if file.jpeg is None else jpeg_gain_map(file.jpeg, turn, spec)
     file.forget()
 
     alpha = None
@@ -146,7 +148,8 @@ def _read_image(file: PhotoFile, picture: Picture, sha256: str) -> Photo:
         camera=_camera(spec),
         path=path,
         sha256=sha256,
-        notes=(*picture.notes, *profile_notes(icc)),
+        gain_map=gain_map,
+        notes=(*picture.notes, *profile_notes(icc), *set_aside),
     )
 
 

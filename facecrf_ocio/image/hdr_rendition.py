@@ -1,0 +1,132 @@
+"""The HDR rendition that a photo's gain map gives: what its maker meant, not proven scene light."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from facecrf_ocio import __version__
+from facecrf_ocio.color.adaptation import rgb_to_xyz
+from facecrf_ocio.color.primaries import known_primaries
+from facecrf_ocio.color.srgb import decode_srgb
+from facecrf_ocio.errors import SettingsError
+from facecrf_ocio.image.apply import write_exr
+from facecrf_ocio.values import Float, GainMap, Photo, Primaries
+
+Float32 = npt.NDArray[np.float32]
+NOT_PROVEN = "the rendition its maker meant for bright screens, not proven scene light"
+
+
+def write_rendition(
+    path: Path,
+    photo: Photo,
+    *,
+    half: bool = True,
+    compression: str = "zip",
+    overwrite: bool = False,
+) -> Path:
+    """Write what a photo's gain map makes of it as an EXR, white of the encoded picture being 1.
+
+    Its color space is told as `unknown`, with the primaries beside it: the light is linear, but
+    nobody says that it is the scene's.
+
+    Raises
+    ------
+    SettingsError
+        If the photo has no gain map.
+    OutputError
+        If the file exists and `overwrite` is false, or it cannot be written.
+    """
+    gain_map = photo.gain_map
+    if gain_map is None:
+        raise SettingsError(f"{photo.path}: has no gain map; choose the curve (--hdr curve)")
+    space = _space(photo, gain_map)
+    return write_exr(
+        path,
+        partial(hdr_rows, photo, gain_map),
+        replace(photo, primaries=replace(space, name=f"{space.name} (HDR rendition)")),
+        provenance=_provenance(gain_map),
+        half=half,
+        compression=compression,
+        overwrite=overwrite,
+    )
+
+
+def _provenance(gain_map: GainMap) -> Mapping[str, str]:
+    return {
+        "hdr": f"gain map ({gain_map.standard}): {NOT_PROVEN}",
+        "headroom": f"{headroom(gain_map):.3f} stops",
+        "version": __version__,
+    }
+
+
+def headroom(gain_map: GainMap) -> float:
+    """[stop] By which white may be brightened."""
+    return float(np.max(gain_map.high))
+
+
+def _space(photo: Photo, gain_map: GainMap) -> Primaries:
+    """Primaries in which the gain is meant, and of the rendition."""
+    return gain_map.primaries or photo.primaries or known_primaries("Rec.709", "assumed")
+
+
+def hdr_rows(photo: Photo, gain_map: GainMap, begin: int, end: int) -> Float32:
+    """(end - begin, W, 3) light of some rows, white of the encoded picture being 1; not below 0.
+
+    The encoded picture is taken for sRGB, as the standards of gain maps have it.
+    """
+    light = decode_srgb(photo.encoded[begin:end]).astype(np.float32)
+    if gain_map.primaries is not None:
+        light = light @ _between(photo.primaries, gain_map.primaries).T
+    gain = _gain(gain_map, map_rows(gain_map.values, photo.encoded.shape, begin, end))
+    light = (light + gain_map.base_offset) * gain - gain_map.offset
+    return np.asarray(np.maximum(light, 0), np.float32)
+
+
+def _between(source: Primaries | None, target: Primaries) -> Float:
+    """Matrix (3, 3) from one set of primaries to another of the same white."""
+    source = source or known_primaries("Rec.709", "assumed")
+    to_xyz, back = (
+        rgb_to_xyz((one.red, one.green, one.blue), one.white) for one in (source, target)
+    )
+    return np.asarray(np.linalg.solve(back, to_xyz))
+
+
+def _gain(gain_map: GainMap, values: Float32) -> npt.NDArray[np.floating]:
+    if gain_map.standard == "Apple":  # its map is encoded as Rec.709's light is, near to sRGB's
+        return np.asarray(1 + (2**gain_map.high - 1) * decode_srgb(values))
+    raised = values if (gain_map.gamma == 1).all() else values ** (1 / gain_map.gamma)
+    return np.asarray(np.exp2(gain_map.low + (gain_map.high - gain_map.low) * raised))
+
+
+def map_rows(values: Float32, shape: tuple[int, ...], begin: int, end: int) -> Float32:
+    """(end - begin, W, 3) of a coarser map: the four values around, weighed by nearness.
+
+    Weights are one through the distance (Shepard), and pixel 0 lies at the map's 0, as libultrahdr
+    samples it; linear weights would be off by up to 3 % at edges.
+    """
+    height, width = shape[:2]
+    if values.shape[:2] == (height, width):
+        return values[begin:end]
+    y = np.arange(begin, end) * (values.shape[0] / height)
+    x = np.arange(width) * (values.shape[1] / width)
+    below_y, below_x = np.floor(y).astype(int), np.floor(x).astype(int)
+    total = np.zeros((end - begin, width, 1), np.float32)
+    result = np.zeros((end - begin, width, 3), np.float32)
+    for step_y in (0, 1):
+        row = np.minimum(below_y + step_y, values.shape[0] - 1)
+        for step_x in (0, 1):
+            column = np.minimum(below_x + step_x, values.shape[1] - 1)
+            distance = np.hypot((y - row)[:, None], (x - column)[None])
+            weight = (1 / np.maximum(distance, _AT_A_VALUE)).astype(np.float32)[..., None]
+            result += weight * values[row[:, None], column[None]]
+            total += weight
+    return np.asarray(result / total)
+
+
+_AT_A_VALUE = 1e-6  # [map pixel] nearer than this, a value is taken as it is

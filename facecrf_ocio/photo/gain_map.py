@@ -1,0 +1,173 @@
+"""The gain map of a photo: found in the file, and what it says taken at its word or set aside.
+
+Ultra HDR and Adobe describe it in XMP, ISO 21496-1 in bytes, Apple in XMP and maker notes.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Iterator
+from typing import Any
+
+import cv2
+import numpy as np
+
+from facecrf_ocio.files.plain_text import plain_text
+from facecrf_ocio.photo.integrity import MAX_MEGAPIXELS
+from facecrf_ocio.photo.jpeg_segments import JpegParts, take_apart
+from facecrf_ocio.photo.pixels import code_values, three_channels, upright
+from facecrf_ocio.photo.profile import primaries_from_icc
+from facecrf_ocio.photo.xmp import value_of, values_of, xmp_of
+from facecrf_ocio.values import Float, GainMap, Primaries
+
+_ISO = b"urn:iso:std:iso:ts:21496:-1\0"
+APPLE = "urn:com:apple:photo:2020:aux:hdrgainmap"
+# Flags of ISO 21496-1, annex C, as libultrahdr has them.
+_SEVERAL, _BASE_SPACE, _COMMON_DENOMINATOR = 0x80, 0x40, 0x08
+_MOST_PICTURES = 8  # looked at in what follows the photo; phones append two or three
+_MOST_STOPS = 16.0
+"""[stop] of gain; float16 ends at 16, and phones write 2 to 6."""
+
+
+class GainMapError(ValueError):
+    """A map is there, but of no use; says why."""
+
+
+def jpeg_gain_map(
+    jpeg: JpegParts, orientation: int, spec: Any
+) -> tuple[GainMap | None, tuple[str, ...]]:
+    """Gain map among the pictures after a JPEG's first, and a note if it was set aside.
+
+    Parameters
+    ----------
+    jpeg
+        The file.
+    orientation
+        By which the photo, and so the map, is turned upright.
+    spec
+        What OpenImageIO says of the photo; Apple's maker notes tell how bright white gets.
+    """
+    try:
+        for picture in _pictures_after(jpeg):
+            numbers = _numbers(picture, spec)
+            if numbers is not None:
+                return GainMap(upright(_decoded(picture), orientation), *numbers), ()
+    except (GainMapError, ValueError, struct.error, ZeroDivisionError, cv2.error) as error:
+        return None, (f"its gain map was set aside: {plain_text(error)}",)
+    return None, ()
+
+
+def _pictures_after(jpeg: JpegParts) -> Iterator[JpegParts]:
+    rest = jpeg.rest
+    for _ in range(_MOST_PICTURES):
+        start = rest.find(b"\xff\xd8\xff")
+        parts = take_apart(rest[start:]) if start >= 0 else None
+        if parts is None:
+            return
+        yield parts
+        rest = parts.rest
+
+
+def _decoded(picture: JpegParts) -> Any:
+    width, height = picture.size
+    if width * height == 0 or width * height > MAX_MEGAPIXELS * 1e6:
+        raise GainMapError(f"it claims {width} x {height} pixels")
+    flags = cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
+    codes = cv2.imdecode(np.frombuffer(picture.picture, np.uint8), flags)
+    if codes is None:
+        raise GainMapError("it is damaged")
+    colors = three_channels(np.asarray(codes))
+    return code_values(np.ascontiguousarray(colors[..., ::-1]), 8)
+
+
+def _numbers(picture: JpegParts, spec: Any) -> tuple[Any, ...] | None:
+    """All of a `GainMap` but its values; None where the picture is no gain map."""
+    binary = picture.contents(0xE2, _ISO)
+    if binary and len(binary[0]) > 4:
+        own = None if binary[0][4] & _BASE_SPACE else _primaries(picture)
+        return (*_of_iso(binary[0]), "ISO 21496-1", own)
+    xmp = xmp_of(b"", picture)
+    if values_of(xmp, "hdrgm:GainMapMax"):
+        return (*_of_xmp(xmp), "Ultra HDR")
+    if APPLE in xmp:
+        return apple_numbers(value_of(xmp, "HDRGainMap:HDRGainMapHeadroom"), spec)
+    return None
+
+
+def _primaries(picture: JpegParts) -> Primaries | None:
+    """Those of the rendition, which the profile of the map tells."""
+    profiles = picture.contents(0xE2, b"ICC_PROFILE\0")
+    return primaries_from_icc(profiles[0][2:]) if profiles else None
+
+
+def _of_xmp(xmp: str) -> tuple[Float, ...]:
+    """Adobe's gain map specification 1.0, XMP; what is left out has a default there."""
+    if value_of(xmp, "hdrgm:BaseRenditionIsHDR").lower() == "true":
+        raise GainMapError("the photo itself is the HDR rendition")
+
+    def three(name: str, default: float) -> Float:
+        return _three([float(text) for text in values_of(xmp, f"hdrgm:{name}")] or [default])
+
+    return _checked(
+        three("GainMapMin", 0.0),
+        three("GainMapMax", math.nan),
+        three("Gamma", 1.0),
+        three("OffsetSDR", 1 / 64),
+        three("OffsetHDR", 1 / 64),
+    )
+
+
+def _of_iso(said: bytes) -> tuple[Float, ...]:
+    """ISO 21496-1, annex C: versions, flags, headrooms, and five fractions a channel."""
+    flags = said[4]
+    count = 3 if flags & _SEVERAL else 1
+    if flags & _COMMON_DENOMINATOR:
+        common, base, _ = struct.unpack_from(">3I", said, 5)
+        kinds = struct.unpack_from(">" + "iiIii" * count, said, 17)
+        fractions = [number / common for number in kinds]
+    else:
+        base = struct.unpack_from(">I", said, 5)[0]
+        pairs = struct.unpack_from(">" + "iIiIIIiIiI" * count, said, 21)
+        fractions = [top / bottom for top, bottom in zip(pairs[::2], pairs[1::2], strict=True)]
+    if base:
+        raise GainMapError("the photo itself is the HDR rendition")
+    columns = np.reshape(fractions, (count, 5)).T
+    return _checked(*(_three(column) for column in columns))
+
+
+def apple_numbers(headroom: str, spec: Any) -> tuple[Any, ...]:
+    """Apple's map, from the headroom its XMP tells, else from the maker notes of the photo."""
+    white = float(headroom) if headroom else _apple_headroom(spec)
+    if not 1.0 < white < 2**_MOST_STOPS:
+        raise GainMapError("nothing tells how bright it makes white")
+    stops = np.full(3, math.log2(white))
+    zero, one = np.zeros(3), np.ones(3)
+    return zero, stops, one, zero, zero, "Apple"
+
+
+def _apple_headroom(spec: Any) -> float:
+    """Apple, "Applying Apple HDR effect to your photos": from maker notes 33 and 48."""
+    first, second = (
+        None if spec is None else spec.getattribute(name) for name in ("Apple:33", "Apple:48")
+    )
+    if first is None or second is None:
+        return 0.0
+    steep, flat = ((-20.0, 1.8), (-0.101, 1.601)) if first < 1 else ((-70.0, 3.0), (-0.303, 2.303))
+    slope, start = steep if second <= 0.01 else flat
+    return float(2 ** max(slope * second + start, 0.0))
+
+
+def _three(numbers: Any) -> Float:
+    values = np.asarray(numbers, float)
+    if values.size not in (1, 3):
+        raise GainMapError(f"it has {values.size} numbers where one or three belong")
+    return np.broadcast_to(values, (3,)).copy()
+
+
+def _checked(*given: Float) -> tuple[Float, ...]:
+    low, high, gamma, _, _ = numbers = np.array(given)
+    sound = np.isfinite(numbers).all() and (gamma > 0).all() and (high >= low).all()
+    if not sound or np.abs([low, high]).max() > _MOST_STOPS:
+        raise GainMapError("its numbers make no sense")
+    return given

@@ -1,0 +1,197 @@
+"""Photos with gain maps: the encoded picture is the photo, the map gives the HDR rendition."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813
+import pytest
+from click.testing import CliRunner
+from gain_map_files import iso_numbers, jpeg, ultra_hdr_numbers, with_gain_map, xmp
+from photo_files import app1, exif_of, segment, with_segments
+
+from facecrf_ocio import Photo, read_photo
+from facecrf_ocio.cli.facecrf import main
+from facecrf_ocio.color.srgb import decode_srgb
+from facecrf_ocio.errors import SettingsError
+from facecrf_ocio.image.hdr_rendition import hdr_rows, write_rendition
+from facecrf_ocio.photo.gain_map import APPLE
+from facecrf_ocio.values import GainMap
+
+Y, X = np.mgrid[:96, :128]
+BASE = np.clip(np.stack([40 + X, 60 + Y, 220 - X], axis=2), 0, 255).astype(np.uint8)
+VALUES = np.clip(np.hypot(X - 64, Y - 48) * 3, 0, 255).astype(np.uint8)
+NUMBERS = (-0.5, 2.5, 0.8, 0.02, 0.01)
+XMP = ultra_hdr_numbers(GainMapMin=-0.5, GainMapMax=2.5, Gamma=0.8, OffsetSDR=0.02, OffsetHDR=0.01)
+
+
+def write(path: Path, numbers: bytes = XMP, values: np.ndarray = VALUES, base=BASE) -> Path:
+    path.write_bytes(with_gain_map(base, values, numbers))
+    return path
+
+
+def rendition(photo: Photo) -> np.ndarray:
+    assert photo.gain_map is not None
+    return hdr_rows(photo, photo.gain_map, 0, photo.encoded.shape[0])
+
+
+@pytest.mark.parametrize(
+    "numbers", [XMP, iso_numbers([NUMBERS]), iso_numbers([NUMBERS] * 3)], ids=["xmp", "1", "3"]
+)
+@pytest.mark.parametrize("coarser", [1, 2, 4])
+def test_the_rendition_is_that_of_libultrahdr(tmp_path: Path, numbers: bytes, coarser: int) -> None:
+    path = write(tmp_path / "a.jpg", numbers, VALUES[::coarser, ::coarser].copy())
+    image = oiio.ImageBuf(str(path))
+    if str(image.spec().format) != "half":
+        pytest.skip("this OpenImageIO was built without libultrahdr")
+    expected = image.get_pixels(oiio.FLOAT)[..., :3]
+    error = np.abs(rendition(read_photo(path)) / expected - 1)
+    # libultrahdr goes from YCbCr to light without 8-bit RGB between, whose rounding is what is seen
+    # here; it looks sRGB's curve up in 1024 entries besides.
+    assert np.median(error) < 0.005
+    assert np.percentile(error, 90) < 0.01
+    assert error.max() < 0.025
+
+
+def test_the_rendition_of_a_gray_picture_is_that_of_libultrahdr(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.jpg", base=np.repeat(BASE[..., :1], 3, axis=2))
+    image = oiio.ImageBuf(str(path))
+    if str(image.spec().format) != "half":
+        pytest.skip("this OpenImageIO was built without libultrahdr")
+    expected = image.get_pixels(oiio.FLOAT)[..., :3]
+    assert np.abs(rendition(read_photo(path)) / expected - 1).max() < 0.005
+
+
+def test_the_photo_is_the_encoded_picture(tmp_path: Path) -> None:
+    photo = read_photo(write(tmp_path / "a.jpg"))
+    assert photo.bit_depth == 8
+    assert not photo.scene_linear
+    assert photo.notes == ()
+    assert np.abs(photo.encoded * 255 - BASE).max() < 4  # quality 100
+
+
+def test_numbers_a_channel_are_kept_apart(tmp_path: Path) -> None:
+    xmp_said = ultra_hdr_numbers(GainMapMin=[-1, 0, 1], GainMapMax=[2, 3, 4], Gamma=[1, 2, 0.5])
+    iso_said = iso_numbers([(-1, 2, 1, 0, 0), (0, 3, 2, 0, 0), (1, 4, 0.5, 0, 0)], common=True)
+    for numbers in (xmp_said, iso_said):
+        found = read_photo(write(tmp_path / "a.jpg", numbers)).gain_map
+        assert found is not None
+        assert (*found.low, *found.high, *found.gamma) == (-1, 0, 1, 2, 3, 4, 1, 2, 0.5)
+
+
+def test_the_map_is_turned_with_the_photo(tmp_path: Path) -> None:
+    content = with_gain_map(BASE, VALUES, XMP)
+    (tmp_path / "a.jpg").write_bytes(content)
+    (tmp_path / "b.jpg").write_bytes(with_segments(content, app1(exif_of({274: 6}))))
+    plain, turned = read_photo(tmp_path / "a.jpg"), read_photo(tmp_path / "b.jpg")
+    assert np.allclose(rendition(turned), np.rot90(rendition(plain), -1), rtol=1e-5)
+
+
+def test_apples_map(tmp_path: Path) -> None:
+    said = xmp(
+        f'apdi:AuxiliaryImageType="{APPLE}" HDRGainMap:HDRGainMapVersion="65536" '
+        'HDRGainMap:HDRGainMapHeadroom="4"'
+    )
+    photo = read_photo(write(tmp_path / "a.jpg", said, np.full_like(VALUES, 255)))
+    assert photo.gain_map is not None
+    assert photo.gain_map.standard == "Apple"
+    assert np.allclose(rendition(photo), 4 * decode_srgb(photo.encoded), rtol=1e-4)
+
+
+def fraction_by_zero() -> bytes:
+    said = struct.pack(">HHB", 0, 0, 0x40) + struct.pack(">IIII", 0, 1, 3, 1) + bytes(40)
+    return segment(0xE2, b"urn:iso:std:iso:ts:21496:-1\0" + said)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "why"),
+    [
+        (ultra_hdr_numbers(GainMapMax="much"), "could not convert"),
+        (ultra_hdr_numbers(GainMapMax="nan"), "make no sense"),
+        (ultra_hdr_numbers(GainMapMax=400), "make no sense"),
+        (ultra_hdr_numbers(GainMapMax=2, Gamma=0), "make no sense"),
+        (ultra_hdr_numbers(GainMapMax=2, GainMapMin=3), "make no sense"),
+        (ultra_hdr_numbers(GainMapMax=[1, 2]), "2 numbers"),
+        (ultra_hdr_numbers(GainMapMax=2, BaseRenditionIsHDR="True"), "itself is the HDR"),
+        (iso_numbers([NUMBERS])[:-20], ""),
+        (fraction_by_zero(), "division by zero"),
+        (xmp(f'apdi:AuxiliaryImageType="{APPLE}"'), "how bright"),
+    ],
+)
+def test_a_map_of_no_use_is_set_aside(tmp_path: Path, numbers: bytes, why: str) -> None:
+    photo = read_photo(write(tmp_path / "a.jpg", numbers))
+    assert photo.gain_map is None
+    if why:
+        assert "its gain map was set aside" in photo.notes[0]
+        assert why in photo.notes[0]
+    with pytest.raises(SettingsError, match="no gain map"):
+        write_rendition(tmp_path / "a.exr", photo)
+
+
+def test_a_second_picture_that_is_no_map(tmp_path: Path) -> None:
+    (tmp_path / "a.jpg").write_bytes(jpeg(BASE) + jpeg(BASE))
+    photo = read_photo(tmp_path / "a.jpg")
+    assert photo.gain_map is None
+    assert photo.notes == ()
+
+
+def test_a_gain_map_needs_sound_numbers() -> None:
+    zero, one = np.zeros(3), np.ones(3)
+    with pytest.raises(SettingsError, match="finite"):
+        GainMap(np.zeros((2, 2, 3), np.float32), zero, one * np.nan, one, zero, zero, "Apple")
+
+
+class TestLinearize:
+    @staticmethod
+    def run(path: Path, *options: str) -> tuple[int, str]:
+        exr = path.with_suffix(".exr")
+        result = CliRunner().invoke(main, ["linearize", str(path), "-o", str(exr), *options])
+        return result.exit_code, result.output
+
+    @pytest.mark.parametrize("options", [(), ("--hdr", "map"), ("--float",)])
+    def test_by_the_map(self, tmp_path: Path, options: tuple[str, ...]) -> None:
+        path = write(tmp_path / "a.jpg")
+        code, said = self.run(path, *options)
+        assert code == 0
+        assert "by its gain map (Ultra HDR, 2.5 stops of headroom)" in said
+        image = oiio.ImageBuf(str(tmp_path / "a.exr"))
+        assert image.get_pixels(oiio.FLOAT) == pytest.approx(rendition(read_photo(path)), rel=1e-3)
+        assert image.get_pixels(oiio.FLOAT).max() > 2
+        spec = image.spec()
+        assert spec.get_string_attribute("colorInteropID") == "unknown"
+        assert "not proven scene light" in spec.get_string_attribute("facecrf:hdr")
+
+    def test_by_the_curve(self, tmp_path: Path) -> None:
+        path = write(tmp_path / "a.jpg")
+        code, _ = self.run(path, "--hdr", "curve", "--estimator", "srgb")
+        assert code == 0
+        pixels = oiio.ImageBuf(str(tmp_path / "a.exr")).get_pixels(oiio.FLOAT)
+        assert pixels == pytest.approx(decode_srgb(read_photo(path).encoded), abs=2e-3)
+
+    def test_no_map_to_go_by(self, tmp_path: Path) -> None:
+        (tmp_path / "a.jpg").write_bytes(jpeg(BASE))
+        code, said = self.run(tmp_path / "a.jpg", "--hdr", "map")
+        assert code == 2
+        assert "has no gain map" in said
+        code, said = self.run(tmp_path / "a.jpg", "--hdr", "map", "--to", "acescg")
+        assert code == 2
+
+
+@pytest.mark.slow
+def test_real_gain_maps(development_data: Path) -> None:
+    folder = development_data / "gainmap"
+    if not folder.is_dir():
+        pytest.skip("there are no photos with gain maps in the development data")
+    for path in sorted(folder.glob("*.jpg")):
+        photo = read_photo(path)
+        assert photo.gain_map is not None, path.name
+        assert photo.notes == ()
+        image = oiio.ImageInput.open(str(path))
+        if str(image.spec().format) != "half":
+            continue
+        expected = image.read_scanlines(0, 0, 0, 512, 0, 0, 3, oiio.FLOAT)
+        rows = hdr_rows(photo, photo.gain_map, 0, 512)
+        error = np.abs(rows - expected.reshape(rows.shape)) / np.maximum(rows, 0.02)
+        assert np.percentile(error, 95) < 0.01, path.name
