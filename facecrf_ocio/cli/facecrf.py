@@ -89,7 +89,7 @@ def linearize(
     if hdr == "map" and space:
         raise SettingsError("--to needs scene light, which no gain map proves; use --hdr curve")
     written: tuple[Path, ...] = ()
-    exr = {"half": half, "compression": compression, "overwrite": chosen.overwrite}
+    exr: dict[str, Any] = {"half": half, "compression": compression, "overwrite": chosen.overwrite}
     with status(f"linearizing {photo}"):
         source = chosen.read(photo)
         by_map = hdr == "map" or (hdr == "auto" and source.gain_map is not None and not space)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -80,7 +81,7 @@ def hdr_rows(photo: Photo, gain_map: GainMap, begin: int, end: int) -> Float32:
 
     The encoded picture is taken for sRGB, as the standards of gain maps have it.
     """
-    light = decode_srgb(photo.encoded[begin:end]).astype(np.float32)
+    light: npt.NDArray[Any] = decode_srgb(photo.encoded[begin:end]).astype(np.float32)
     if gain_map.primaries is not None:
         light = light @ _between(photo.primaries, gain_map.primaries).T
     gain = _gain(gain_map, map_rows(gain_map.values, photo.encoded.shape, begin, end))

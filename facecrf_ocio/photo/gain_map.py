@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 
 from facecrf_ocio.files.plain_text import plain_text
+from facecrf_ocio.photo.exif import apple_headroom, load_exif
 from facecrf_ocio.photo.integrity import MAX_MEGAPIXELS
 from facecrf_ocio.photo.jpeg_segments import JpegParts, take_apart
 from facecrf_ocio.photo.pixels import code_values, three_channels, upright
@@ -34,9 +35,7 @@ class GainMapError(ValueError):
     """A map is there, but of no use; says why."""
 
 
-def jpeg_gain_map(
-    jpeg: JpegParts, orientation: int, spec: Any
-) -> tuple[GainMap | None, tuple[str, ...]]:
+def jpeg_gain_map(jpeg: JpegParts, orientation: int) -> tuple[GainMap | None, tuple[str, ...]]:
     """Gain map among the pictures after a JPEG's first, and a note if it was set aside.
 
     Parameters
@@ -45,12 +44,11 @@ def jpeg_gain_map(
         The file.
     orientation
         By which the photo, and so the map, is turned upright.
-    spec
-        What OpenImageIO says of the photo; Apple's maker notes tell how bright white gets.
     """
+    exif = b"".join(jpeg.contents(0xE1, b"Exif\0\0")[:1])
     try:
         for picture in _pictures_after(jpeg):
-            numbers = _numbers(picture, spec)
+            numbers = _numbers(picture, exif)
             if numbers is not None:
                 return GainMap(upright(_decoded(picture), orientation), *numbers), ()
     except (GainMapError, ValueError, struct.error, ZeroDivisionError, cv2.error) as error:
@@ -81,7 +79,7 @@ def _decoded(picture: JpegParts) -> Any:
     return code_values(np.ascontiguousarray(colors[..., ::-1]), 8)
 
 
-def _numbers(picture: JpegParts, spec: Any) -> tuple[Any, ...] | None:
+def _numbers(picture: JpegParts, exif: bytes) -> tuple[Any, ...] | None:
     """All of a `GainMap` but its values; None where the picture is no gain map."""
     binary = picture.contents(0xE2, _ISO)
     if binary and len(binary[0]) > 4:
@@ -91,7 +89,8 @@ def _numbers(picture: JpegParts, spec: Any) -> tuple[Any, ...] | None:
     if values_of(xmp, "hdrgm:GainMapMax"):
         return (*_of_xmp(xmp), "Ultra HDR")
     if APPLE in xmp:
-        return apple_numbers(value_of(xmp, "HDRGainMap:HDRGainMapHeadroom"), spec)
+        told = value_of(xmp, "HDRGainMap:HDRGainMapHeadroom")
+        return apple_numbers(told, 0.0 if told else apple_headroom(load_exif(exif)))
     return None
 
 
@@ -136,26 +135,14 @@ def _of_iso(said: bytes) -> tuple[Float, ...]:
     return _checked(*(_three(column) for column in columns))
 
 
-def apple_numbers(headroom: str, spec: Any) -> tuple[Any, ...]:
-    """Apple's map, from the headroom its XMP tells, else from the maker notes of the photo."""
-    white = float(headroom) if headroom else _apple_headroom(spec)
+def apple_numbers(told: str, headroom: float) -> tuple[Any, ...]:
+    """Apple's map, from the headroom that its XMP tells, else from that of the maker notes."""
+    white = float(told) if told else headroom
     if not 1.0 < white < 2**_MOST_STOPS:
         raise GainMapError("nothing tells how bright it makes white")
     stops = np.full(3, math.log2(white))
     zero, one = np.zeros(3), np.ones(3)
     return zero, stops, one, zero, zero, "Apple"
-
-
-def _apple_headroom(spec: Any) -> float:
-    """Apple, "Applying Apple HDR effect to your photos": from maker notes 33 and 48."""
-    first, second = (
-        None if spec is None else spec.getattribute(name) for name in ("Apple:33", "Apple:48")
-    )
-    if first is None or second is None:
-        return 0.0
-    steep, flat = ((-20.0, 1.8), (-0.101, 1.601)) if first < 1 else ((-70.0, 3.0), (-0.303, 2.303))
-    slope, start = steep if second <= 0.01 else flat
-    return float(2 ** max(slope * second + start, 0.0))
 
 
 def _three(numbers: Any) -> Float:

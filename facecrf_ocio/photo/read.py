@@ -15,6 +15,7 @@ from facecrf_ocio.color.primaries import known_primaries, name_primaries
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import complaint, plain_text
 from facecrf_ocio.photo.gain_map import jpeg_gain_map
+from facecrf_ocio.photo.heif import read_heif
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_file, check_size
 from facecrf_ocio.photo.picture import (
     PhotoFile,
@@ -33,6 +34,7 @@ from facecrf_ocio.photo.pixels import (
 )
 from facecrf_ocio.photo.profile import icc_is_linear, primaries_from_icc, profile_notes
 from facecrf_ocio.photo.raw import decode_raw
+from facecrf_ocio.photo.suffixes import HEIF
 from facecrf_ocio.values import Camera, Photo, Primaries, frozen
 
 _BAND_ROWS = 256
@@ -75,6 +77,8 @@ def read_photo(path: str | Path) -> Photo:
     path = Path(path)
     sha256 = check_file(path)
     file = PhotoFile(path)
+    if file.kind is not None and file.kind.reader == HEIF:
+        return read_heif(file, sha256)
     if file.is_raw:
         return _read_raw(file, sha256, "is not camera raw that LibRaw knows", _EXPORT)
     picture = open_picture(file)
@@ -118,7 +122,7 @@ def _read_image(file: PhotoFile, picture: Picture, sha256: str) -> Photo:
     scene_linear = _is_scene_linear(spec, icc)
     bits = spec.get_int_attribute("oiio:BitsPerSample", 8 * spec.format.size())
     turn = orientation_of(spec, file.xmp)
-    gain_map, set_aside = (None, ()) if file.jpeg is None else jpeg_gain_map(file.jpeg, turn, spec)
+    gain_map, set_aside = (None, ()) if file.jpeg is None else jpeg_gain_map(file.jpeg, turn)
     file.forget()
 
     alpha = None

@@ -1,0 +1,141 @@
+"""HEIC by pillow-heif, the extra `heif`, and AVIF by Pillow; OpenImageIO's wheels read neither."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from facecrf_ocio.color.primaries import known_primaries
+from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.files.plain_text import plain_text
+from facecrf_ocio.photo.exif import apple_headroom, camera_of, load_exif
+from facecrf_ocio.photo.gain_map import APPLE, GainMapError, apple_numbers
+from facecrf_ocio.photo.integrity import COPY_AGAIN, check_size
+from facecrf_ocio.photo.picture import PhotoFile
+from facecrf_ocio.photo.pixels import is_gray, three_channels, upright
+from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
+from facecrf_ocio.values import GainMap, Photo, Primaries, frozen
+
+INSTALL = "install the extra (pip install 'facecrf-ocio[heif]'), or convert it to JPEG or TIFF"
+_DAMAGE = (RuntimeError, ValueError, EOFError, OSError, SyntaxError)
+_AVIF = (b"avif", b"avis")
+# ISO 23091-2 (CICP), color primaries.
+_CICP_PRIMARIES = {1: "Rec.709", 9: "Rec.2020", 12: "Display P3"}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Decoded:
+    """(H, W, C) codes, upright, of so many bits, and what the file says beside them."""
+
+    codes: npt.NDArray[np.generic]
+    bits: int
+    exif: Any
+    icc: bytes
+    gain_map: GainMap | None = None
+    notes: tuple[str, ...] = ()
+
+
+def read_heif(file: PhotoFile, sha256: str) -> Photo:
+    """Read HEIC or AVIF.
+
+    Raises
+    ------
+    PhotoError
+        If the extra is not installed, or the file is damaged or too large.
+    """
+    content = file.content
+    decoded = _read_avif(file) if content[8:12] in _AVIF else _read_heic(file)
+    color = decoded.codes[..., :3] if decoded.codes.shape[2] >= 3 else decoded.codes[..., 0]
+    scale = np.float32(2**decoded.bits - 1)
+    encoded = np.divide(three_channels(color), scale, dtype=np.float32)
+    encoded.flags.writeable = False
+    alpha = decoded.codes[..., -1] / scale if decoded.codes.shape[2] in (2, 4) else None
+    primaries = primaries_from_icc(decoded.icc) or _of_cicp(content)
+    file.forget()
+    return Photo(
+        encoded,
+        bit_depth=decoded.bits,
+        grayscale=is_gray(encoded),
+        alpha=None if alpha is None else frozen(alpha, np.float32),
+        primaries=primaries,
+        camera=camera_of(decoded.exif),
+        path=file.path,
+        sha256=sha256,
+        gain_map=decoded.gain_map,
+        notes=(*decoded.notes, *profile_notes(decoded.icc)),
+    )
+
+
+def _read_heic(file: PhotoFile) -> _Decoded:
+    try:
+        import pillow_heif  # noqa: PLC0415 - the extra `heif`
+    except ImportError:
+        raise PhotoError(file.path, "is HEIC, which needs pillow-heif", INSTALL) from None
+    try:
+        heif = pillow_heif.open_heif(file.path, convert_hdr_to_8bit=False, hdr_to_16bit=False)
+        check_size(file.path, *heif.size)  # the header alone was read
+        # Turned by libheif as the file's boxes say; EXIF's orientation, if any, repeats them.
+        codes = np.asarray(heif)
+    except _DAMAGE as error:
+        raise _damaged(file, error) from error
+    bits = int(heif.info.get("bit_depth", 8)) if codes.dtype == np.uint16 else 8
+    exif = load_exif(heif.info.get("exif") or b"")
+    gain_map, notes = _apple_map(heif, exif)
+    icc = heif.info.get("icc_profile") or b""
+    return _Decoded(_planes(codes), bits, exif, icc, gain_map, notes)
+
+
+def _apple_map(heif: Any, exif: Any) -> tuple[GainMap | None, tuple[str, ...]]:
+    """An iPhone's gain map, which is an auxiliary image."""
+    auxiliary = heif.info.get("aux", {}).get(APPLE, [])
+    if not auxiliary:
+        return None, ()
+    try:
+        values = _planes(np.asarray(heif.get_aux_image(auxiliary[0])))[..., 0]
+        values = np.divide(three_channels(values), np.float32(255), dtype=np.float32)
+        return GainMap(values, *apple_numbers("", apple_headroom(exif))), ()
+    except (GainMapError, *_DAMAGE) as error:
+        return None, (f"its gain map was set aside: {plain_text(error)}",)
+
+
+def _read_avif(file: PhotoFile) -> _Decoded:
+    from PIL import Image, features  # noqa: PLC0415
+
+    if not features.check("avif"):
+        raise PhotoError(file.path, "is AVIF, which needs Pillow 11.3 or newer", INSTALL)
+    try:
+        with Image.open(file.path) as image:
+            check_size(file.path, *image.size)
+            exif = load_exif(image.info.get("exif", b""))
+            codes, icc = np.asarray(image), image.info.get("icc_profile") or b""
+    except _DAMAGE as error:
+        raise _damaged(file, error) from error
+    note = ("its more than 8 bits were read as 8",) if _is_deep_avif(file.content) else ()
+    turned = upright(_planes(codes), int(exif.get(274, 1)))
+    return _Decoded(turned, 8, exif, icc, notes=note)
+
+
+def _planes(codes: Any) -> Any:
+    return codes if codes.ndim == 3 else codes[..., None]
+
+
+def _is_deep_avif(content: bytes) -> bool:
+    """Whether AV1's configuration says `high_bitdepth` (AV1 in ISOBMFF, 2.3.3)."""
+    at = content.find(b"av1C")
+    return at >= 0 and len(content) > at + 6 and bool(content[at + 6] & 0x40)
+
+
+def _of_cicp(content: bytes) -> Primaries | None:
+    """Primaries of the color box (ISO 14496-12, 12.1.5)."""
+    at = content.find(b"colrnclx")
+    name = _CICP_PRIMARIES.get(int.from_bytes(content[at + 8 : at + 10], "big")) if at >= 0 else ""
+    return known_primaries(name, "file attribute") if name else None
+
+
+def _damaged(file: PhotoFile, error: Exception) -> PhotoError:
+    if isinstance(error, PhotoError):
+        return error
+    return PhotoError(file.path, f"is cut short or damaged ({plain_text(error)})", COPY_AGAIN)
