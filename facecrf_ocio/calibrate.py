@@ -12,6 +12,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from facecrf_ocio.color.signals import decode_hlg, decode_pq
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.estimators import (
     ESTIMATORS,
@@ -96,6 +97,8 @@ def calibrate(
         return _already_linear(photo)
     if estimator in FIXED_CURVES:
         return _fixed_curve(estimator, photo, response)
+    if photo.named_curve:
+        return _named_by_file(photo)
     if is_joint:
         joint = joint or shipped_joint()
         evidence = evidence or gather(photo, settings, joint.networks)
@@ -140,6 +143,37 @@ def _already_linear(photo: Photo) -> Estimate:
             np.ones((3, CURVE_SIZE)),
             Verdict.RELIABLE,
             ("linear by the file's format: nothing was estimated",),
+            InStops(np.zeros((3, 256)), 0.0, 0.0),
+        ),
+        assumptions=assumptions_of(photo),
+    )
+
+
+# What the light is that a curve named by the file gives.
+_NAMED = {
+    "PQ": (decode_pq, "a display's, after grading, and not proven to be the scene's"),
+    "HLG": (decode_hlg, "the scene's only if nobody graded the picture"),
+}
+_NAMED_SIZE = 4096
+"""Samples of such a curve: linear between them, PQ is met within 0.2 % from code 16 of 255 on."""
+
+
+def _named_by_file(photo: Photo) -> Estimate:
+    """The curve that the file names, exactly; there is nothing to estimate."""
+    decode, light = _NAMED[photo.named_curve]
+    encoded = np.linspace(0.0, 1.0, _NAMED_SIZE)
+    linear = decode(encoded)
+    linear[0], linear[-1] = 0.0, 1.0  # but for rounding
+    return Estimate(
+        Outcome.NAMED,
+        "none",
+        f"the file names {photo.named_curve} (ITU-R BT.2100), used exactly; its light is {light}",
+        found=InverseCRF(encoded, np.tile(linear, (3, 1))),
+        confidence=Confidence(
+            np.zeros((3, _NAMED_SIZE)),
+            np.ones((3, _NAMED_SIZE)),
+            Verdict.WEAK,
+            (f"the curve is exact, but the light is {light}",),
             InStops(np.zeros((3, 256)), 0.0, 0.0),
         ),
         assumptions=assumptions_of(photo),

@@ -54,6 +54,7 @@ class Outcome(str, Enum):
     CALIBRATED = "calibrated"
     FROM_CAMERA = "from its camera"
     ALREADY_LINEAR = "already linear"
+    NAMED = "named by the file"
     FALLBACK = "fallback"
     NOT_CALIBRATED = "not calibrated"
 
@@ -157,6 +158,8 @@ class Photo:
         Bits of the file's integer code values; None for floating point.
     scene_linear
         True where the values are proportional to light already.
+    named_curve
+        `PQ` or `HLG` (ITU-R BT.2100) where the file names that for its code values, else empty.
     grayscale
         True where the file has one color channel (repeated in `encoded`).
     alpha
@@ -176,6 +179,7 @@ class Photo:
     encoded: npt.NDArray[np.float32]
     bit_depth: int | None = None
     scene_linear: bool = False
+    named_curve: str = ""
     grayscale: bool = False
     alpha: npt.NDArray[np.float32] | None = None
     primaries: Primaries | None = None

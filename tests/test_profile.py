@@ -13,7 +13,8 @@ from photo_files import matrix_profile, random_codes, write
 from PIL import Image, ImageCms
 
 from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
-from facecrf_ocio.photo.profile import icc_is_linear, primaries_from_icc
+from facecrf_ocio.photo.named_curve import curve_of_profile
+from facecrf_ocio.photo.profile import primaries_from_icc
 from facecrf_ocio.photo.read import read_photo
 
 
@@ -41,17 +42,17 @@ class TestPrimaries:
         found = primaries_from_icc(icc)
         assert found is not None
         assert (found.name, found.red) == ("Rec.709", (0.64, 0.33))
-        assert icc_is_linear(icc) is False
+        assert curve_of_profile(icc) == ""
 
     @pytest.mark.parametrize(("gamma", "linear"), [(1.0, True), (2.2, False)])
     def test_linear_profiles_are_known(self, gamma: float, linear: bool) -> None:
         icc = matrix_profile(*KNOWN_PRIMARIES["Rec.709"], gamma=gamma)
-        assert icc_is_linear(icc) is linear
+        assert (curve_of_profile(icc) == "linear") is linear
 
     @given(st.binary(max_size=400))
     def test_a_damaged_profile_tells_nothing(self, noise: bytes) -> None:
         assert primaries_from_icc(noise) is None
-        assert icc_is_linear(noise) is None
+        assert curve_of_profile(noise) == ""
 
     @pytest.mark.parametrize("name", ["a.jpg", "a.png", "a.tif"])
     def test_profile_of_a_file(self, tmp_path: Path, name: str) -> None:

@@ -8,12 +8,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.color.working_space import working_primaries, working_space_matrix
 from facecrf_ocio.image.apply import Pixels, Rows, linear_rows, write_exr
 from facecrf_ocio.image.lookup import curve_lookup
 from facecrf_ocio.image.lut_lookup import lut_lookup
 from facecrf_ocio.record.provenance import of_estimate, of_lut
-from facecrf_ocio.values import Estimate, Photo
+from facecrf_ocio.values import Estimate, Photo, Primaries
 
 
 def write_linear(
@@ -42,6 +43,8 @@ def write_linear(
     # A matrix wants more than half floats of what it is given.
     rows = linear_rows(photo, curve_lookup(estimate.curve), half=half and not space)
     linear: Pixels | Rows = photo.encoded if photo.scene_linear else rows
+    if photo.named_curve:
+        photo = replace(photo, primaries=_of_display(photo))
     if space:
         linear, photo = _in_space(linear, photo, space)
     return write_exr(
@@ -89,6 +92,12 @@ def write_through_lut(
         compression=compression,
         overwrite=overwrite,
     )
+
+
+def _of_display(photo: Photo) -> Primaries:
+    """Primaries under another name: no color space of scene light is to be told by them."""
+    primaries = photo.primaries or known_primaries("Rec.709", "assumed")
+    return replace(primaries, name=f"{primaries.name} ({photo.named_curve} light)")
 
 
 def _in_space(linear: Pixels | Rows, photo: Photo, space: str) -> tuple[Rows, Photo]:

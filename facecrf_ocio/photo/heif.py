@@ -30,7 +30,7 @@ _CICP_PRIMARIES = {1: "Rec.709", 9: "Rec.2020", 12: "Display P3"}
 class _Decoded:
     """(H, W, C) codes, upright, of so many bits, and what the file says beside them."""
 
-    codes: npt.NDArray[np.generic]
+    codes: npt.NDArray[Any]
     bits: int
     exif: Any
     icc: bytes

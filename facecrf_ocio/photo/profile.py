@@ -81,25 +81,7 @@ def _named(colorants: Float, matrix: Float) -> Primaries | None:
     return name_primaries(xy, "ICC profile")
 
 
-def icc_is_linear(profile: bytes) -> bool | None:
-    """Whether a matrix profile's red curve is the identity; None where it has no such curve."""
-    curve = _tag(profile, b"rTRC")
-    try:
-        if curve[:4] == b"curv":
-            (count,) = struct.unpack_from(">I", curve, 8)
-            samples = np.array(struct.unpack_from(f">{count}H", curve, 12))
-            if count < 2:  # none is the identity, one is a gamma in 1/256
-                return bool((samples == 256).all())
-            return bool(np.abs(samples / 65535 - np.linspace(0, 1, count)).max() < 1e-3)
-        if curve[:4] == b"para":
-            kind, _, gamma = struct.unpack_from(">HHi", curve, 8)
-            return bool(kind == 0 and gamma == 65536)
-    except struct.error:
-        pass
-    return None
-
-
-def _tag(profile: bytes, signature: bytes) -> bytes:
+def icc_tag(profile: bytes, signature: bytes) -> bytes:
     """Contents of one tag of an ICC profile (ICC.1:2022, 7.3); empty where there is none."""
     entries = profile[132 : 132 + 12 * int.from_bytes(profile[128:132], "big")]
     for start in range(0, len(entries) - 11, 12):

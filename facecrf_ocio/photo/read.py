@@ -14,9 +14,11 @@ import OpenImageIO as oiio  # noqa: N813
 from facecrf_ocio.color.primaries import known_primaries, name_primaries
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import complaint, plain_text
+from facecrf_ocio.photo.channels import alpha_channel, color_channels, is_premultiplied
 from facecrf_ocio.photo.gain_map import jpeg_gain_map
 from facecrf_ocio.photo.heif import read_heif
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_file, check_size
+from facecrf_ocio.photo.named_curve import LINEAR, is_other_curve, named_curve
 from facecrf_ocio.photo.picture import (
     PhotoFile,
     Picture,
@@ -32,7 +34,7 @@ from facecrf_ocio.photo.pixels import (
     unpremultiplied,
     upright,
 )
-from facecrf_ocio.photo.profile import icc_is_linear, primaries_from_icc, profile_notes
+from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
 from facecrf_ocio.photo.raw import decode_raw
 from facecrf_ocio.photo.suffixes import HEIF
 from facecrf_ocio.values import Camera, Photo, Primaries, frozen
@@ -119,7 +121,8 @@ def _read_image(file: PhotoFile, picture: Picture, sha256: str) -> Photo:
     _check_kind(path, spec, file_format)
     channels, transparency = color_channels(path, spec), alpha_channel(spec)
     icc = icc_profile(spec)
-    scene_linear = _is_scene_linear(spec, icc)
+    curve = named_curve(spec, icc)
+    scene_linear = _is_scene_linear(spec, icc, curve)
     bits = spec.get_int_attribute("oiio:BitsPerSample", 8 * spec.format.size())
     turn = orientation_of(spec, file.xmp)
     gain_map, set_aside = (None, ()) if file.jpeg is None else jpeg_gain_map(file.jpeg, turn)
@@ -145,6 +148,7 @@ def _read_image(file: PhotoFile, picture: Picture, sha256: str) -> Photo:
         encoded,
         bit_depth=_bit_depth(spec, bits),
         scene_linear=scene_linear,
+        named_curve="" if scene_linear else curve,
         grayscale=len(channels) == 1 or is_gray(encoded),
         # Filters of renderers overshoot a little; colors are divided by what the file has.
         alpha=None if alpha is None else frozen(alpha.clip(0.0, 1.0), np.float32),
@@ -173,28 +177,6 @@ def _check_kind(path: Path, spec: Any, file_format: str) -> None:
     if file_format == "null" or spec.deep or spec.depth > 1:
         kind = "a deep image" if spec.deep else "a volume" if spec.depth > 1 else "no image"
         raise PhotoError(path, f"is {kind}", _CONVERT)
-
-
-def color_channels(path: Path, spec: Any) -> list[int]:
-    """Indices of R, G, B by name, those without a layer's prefix first; or of one gray channel."""
-    names: Sequence[str] = [name.upper() for name in spec.channelnames]
-    layers = dict.fromkeys(["", *(name[: name.rfind(".") + 1] for name in names)])
-    for layer in layers:
-        if all(layer + channel in names for channel in "RGB"):
-            return [names.index(layer + channel) for channel in "RGB"]
-    color = [index for index in range(spec.nchannels) if index != alpha_channel(spec)]
-    if len(color) == 1:
-        return color
-    raise PhotoError(
-        path,
-        f"has the channels {', '.join(spec.channelnames)}, but no R, G and B",
-        "save its color channels as R, G, B",
-    )
-
-
-def alpha_channel(spec: Any) -> int | None:
-    """Index of alpha; by name, because the GIF reader's `alpha_channel` is one too high."""
-    return spec.channelnames.index("A") if "A" in spec.channelnames else None
 
 
 def _is_plain_16_bits(spec: Any, channels: Sequence[int]) -> bool:
@@ -249,17 +231,10 @@ def _bit_depth(spec: Any, bits: int) -> int | None:
     return max(bits, 8) if spec.format.basetype in _INTEGERS else None
 
 
-def is_premultiplied(spec: Any, file_format: str) -> bool:
-    """Whether colors are stored multiplied by alpha, which reading unassociated cannot undo."""
-    told = spec.get_int_attribute("oiio:UnassociatedAlpha")
-    return file_format == "openexr" or (file_format == "tiff" and not told)
-
-
-def _is_scene_linear(spec: Any, icc: bytes) -> bool:
-    """What profile and color space say, else linear for floating point and encoded for integers."""
-    by_profile = icc_is_linear(icc)
-    if by_profile is not None:
-        return by_profile
+def _is_scene_linear(spec: Any, icc: bytes, curve: str) -> bool:
+    """What curve and color space say, else linear for floating point and encoded for integers."""
+    if curve or is_other_curve(icc):
+        return curve == LINEAR
     space = spec.get_string_attribute("oiio:ColorSpace").lower()
     if space.startswith("lin") or spec.format.basetype in _INTEGERS:
         return bool(space.startswith("lin"))

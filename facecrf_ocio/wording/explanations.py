@@ -29,6 +29,7 @@ An outcome says whether there is a curve, and what it rests on.
 calibrated       A curve from this photo's own evidence.
 from its camera  No evidence of its own; the curve of other photos of the same camera.
 already linear   The file (raw, OpenEXR, HDR) holds linear light: use it as it is.
+named by the file  PQ or HLG (ITU-R BT.2100): the file says which, and that is used exactly.
 fallback         The curve that was asked for where the photo gives none.
 not calibrated   No curve was written. The line says why, and what to do.
 """

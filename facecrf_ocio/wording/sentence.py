@@ -57,6 +57,8 @@ def sentence(estimate: Estimate, surface: Surface = ANYWHERE) -> str:
     """Return what to expect of a curve and what would make it better; or why there is none."""
     if estimate.outcome is Outcome.ALREADY_LINEAR:
         return "linear already: use the pixels as they are"
+    if estimate.outcome is Outcome.NAMED:
+        return estimate.reason
     expected = expectation(estimate)
     if expected is None:
         return f"{estimate.reason}; {remedy(estimate, surface)}"

@@ -1,0 +1,24 @@
+"""The curves of HDR television (ITU-R BT.2100-2, tables 4 and 5), white of the signal being 1."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from facecrf_ocio.values import Float
+
+_M1, _M2 = 2610 / 16384, 2523 / 4096 * 128
+_C1, _C2, _C3 = 3424 / 4096, 2413 / 4096 * 32, 2392 / 4096 * 32
+_A, _B, _C = 0.17883277, 0.28466892, 0.55991073
+
+
+def decode_pq(encoded: npt.ArrayLike) -> Float:
+    """Light of a display, 1 being 10,000 cd/m2, of code values in [0, 1]."""
+    power = np.asarray(encoded, float) ** (1 / _M2)
+    return np.asarray((np.maximum(power - _C1, 0) / (_C2 - _C3 * power)) ** (1 / _M1))
+
+
+def decode_hlg(encoded: npt.ArrayLike) -> Float:
+    """Light of the scene, 1 being the brightest, of code values in [0, 1]."""
+    codes = np.asarray(encoded, float)
+    return np.where(codes <= 0.5, codes**2 / 3, (np.exp((codes - _C) / _A) + _B) / 12)

@@ -1,0 +1,37 @@
+"""Which channels of an image are its color and which is alpha."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from facecrf_ocio.errors import PhotoError
+
+
+def color_channels(path: Path, spec: Any) -> list[int]:
+    """Indices of R, G, B by name, those without a layer's prefix first; or of one gray channel."""
+    names: Sequence[str] = [name.upper() for name in spec.channelnames]
+    layers = dict.fromkeys(["", *(name[: name.rfind(".") + 1] for name in names)])
+    for layer in layers:
+        if all(layer + channel in names for channel in "RGB"):
+            return [names.index(layer + channel) for channel in "RGB"]
+    color = [index for index in range(spec.nchannels) if index != alpha_channel(spec)]
+    if len(color) == 1:
+        return color
+    raise PhotoError(
+        path,
+        f"has the channels {', '.join(spec.channelnames)}, but no R, G and B",
+        "save its color channels as R, G, B",
+    )
+
+
+def alpha_channel(spec: Any) -> int | None:
+    """Index of alpha; by name, because the GIF reader's `alpha_channel` is one too high."""
+    return spec.channelnames.index("A") if "A" in spec.channelnames else None
+
+
+def is_premultiplied(spec: Any, file_format: str) -> bool:
+    """Whether colors are stored multiplied by alpha, which reading unassociated cannot undo."""
+    told = spec.get_int_attribute("oiio:UnassociatedAlpha")
+    return file_format == "openexr" or (file_format == "tiff" and not told)

@@ -1,0 +1,126 @@
+"""Curves that a file names are used, not estimated."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813
+import PyOpenColorIO as ocio  # noqa: N813
+import pytest
+from photo_files import matrix_profile, random_codes
+from PIL import Image
+
+from facecrf_ocio import calibrate, read_photo
+from facecrf_ocio.color.signals import decode_hlg, decode_pq
+from facecrf_ocio.image.linearize import write_linear
+from facecrf_ocio.photo.named_curve import curve_of_profile
+from facecrf_ocio.values import Outcome, Verdict
+
+PROFILE = matrix_profile((0.64, 0.33), (0.3, 0.6), (0.15, 0.06), (0.3127, 0.329))
+
+
+def with_curve(curve: bytes) -> bytes:
+    """The profile with another curve for all channels, at its end."""
+    result = bytearray(PROFILE)
+    for name in (b"rTRC", b"gTRC", b"bTRC"):
+        struct.pack_into(">II", result, PROFILE.index(name, 128) + 4, len(PROFILE), len(curve))
+    result += curve
+    struct.pack_into(">I", result, 0, len(result))
+    return bytes(result)
+
+
+def formula(kind: int, *numbers: float) -> bytes:
+    fixed = (round(number * 65536) for number in numbers)
+    return b"para\0\0\0\0" + struct.pack(f">HH{len(numbers)}i", kind, 0, *fixed)
+
+
+def table(light: np.ndarray) -> bytes:
+    return (
+        b"curv\0\0\0\0"
+        + struct.pack(">I", light.size)
+        + np.rint(light * 65535).astype(">u2").tobytes()
+    )
+
+
+GRID = np.linspace(0, 1, 1024)
+
+
+@pytest.mark.parametrize(
+    ("curve", "name"),
+    [
+        (formula(0, 1), "linear"),
+        (formula(1, 1, 1, 0), "linear"),
+        (formula(2, 1, 1, 0, 0), "linear"),
+        (formula(3, 1, 1, 0, 1, 0), "linear"),
+        (formula(3, 2.4, 0.9, 0.1, 1, 1.5), "linear"),  # the line goes beyond white
+        (formula(4, 1, 1, 0, 1, 0.5, 0, 0), "linear"),
+        (formula(0, 2.2), ""),
+        (formula(3, 2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045), ""),
+        (formula(9, 1), ""),
+        (formula(4, 1, 1)[:14], ""),
+        (table(GRID), "linear"),
+        (table(decode_pq(GRID)), "PQ"),
+        (table(decode_hlg(GRID)), "HLG"),
+        (table(GRID**2.2), ""),
+        (table(GRID)[:500], ""),
+    ],
+)
+def test_curves_of_profiles(curve: bytes, name: str) -> None:
+    assert curve_of_profile(with_curve(curve)) == name
+
+
+@pytest.mark.parametrize("name", ["PQ", "HLG"])
+def test_the_curves_are_opencolorios(name: str) -> None:
+    style = {"PQ": "CURVE - ST-2084_to_LINEAR", "HLG": "CURVE - HLG-OETF-INVERSE"}[name]
+    transform = ocio.BuiltinTransform(style)
+    cpu = ocio.Config.CreateRaw().getProcessor(transform).getDefaultCPUProcessor()
+    pixels = np.repeat(np.linspace(0, 1, 65, dtype=np.float32)[:, None], 3, axis=1)
+    ours = {"PQ": decode_pq, "HLG": decode_hlg}[name](pixels[:, 0])
+    cpu.applyRGB(pixels)
+    theirs = pixels[:, 0]
+    assert ours == pytest.approx(theirs / theirs[-1], rel=2e-3, abs=1e-6)
+
+
+def with_cicp(path: Path, primaries: int, transfer: int, icc: bytes | None = None) -> Path:
+    Image.fromarray(random_codes()).save(path, icc_profile=icc)
+    content = path.read_bytes()
+    chunk = b"cICP" + bytes([primaries, transfer, 0, 1])
+    chunk = struct.pack(">I", 4) + chunk + struct.pack(">I", zlib.crc32(chunk))
+    path.write_bytes(content[:33] + chunk + content[33:])
+    return path
+
+
+@pytest.mark.parametrize(
+    ("transfer", "name", "decode"), [(16, "PQ", decode_pq), (18, "HLG", decode_hlg)]
+)
+def test_a_png_says_which_signal_it_holds(tmp_path: Path, transfer: int, name: str, decode) -> None:
+    # cICP goes before the profile.
+    photo = read_photo(with_cicp(tmp_path / "a.png", 9, transfer, with_curve(formula(0, 1))))
+    assert (photo.named_curve, photo.scene_linear) == (name, False)
+    for estimator in ("auto", "face"):
+        estimate = calibrate(photo, estimator=estimator)
+        assert estimate.outcome is Outcome.NAMED
+        assert name in estimate.reason
+        assert estimate.confidence is not None
+        assert estimate.confidence.verdict is Verdict.WEAK
+        codes = np.arange(16, 256) / 255
+        found = estimate.curve.linearize(np.repeat(codes[:, None], 3, axis=1))
+        assert found[:, 0] == pytest.approx(decode(codes), rel=2e-3)
+    exr = write_linear(tmp_path / "a.exr", photo, estimate)
+    assert oiio.ImageBuf(str(exr)).spec().get_string_attribute("colorInteropID") == "unknown"
+
+
+def test_a_fixed_curve_that_is_asked_for_is_given(tmp_path: Path) -> None:
+    photo = read_photo(with_cicp(tmp_path / "a.png", 9, 16))
+    assert calibrate(photo, estimator="srgb").outcome is Outcome.FALLBACK
+
+
+def test_linear_integers(tmp_path: Path) -> None:
+    assert read_photo(with_cicp(tmp_path / "a.png", 1, 8)).scene_linear
+    Image.fromarray(random_codes()).save(
+        tmp_path / "b.png", icc_profile=with_curve(formula(2, 1, 1, 0, 0))
+    )
+    assert read_photo(tmp_path / "b.png").scene_linear
