@@ -14,7 +14,7 @@ from host_environments import CACHE, blender_python
 
 from facecrf_ocio import calibrate, read_photo
 from facecrf_ocio.color.srgb import decode_srgb
-from facecrf_ocio.settings import ESTIMATOR_NAMES
+from facecrf_ocio.estimators import ESTIMATOR_NAMES
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[1]
