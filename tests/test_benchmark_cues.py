@@ -62,15 +62,16 @@ def test_all_cues_are_what_calibrate_says(measured):
     photo = Workbench(plan).photograph(1, 0)
     curve = calibrate(photo, estimator="joint").curve
     counts = np.zeros((3, 256), dtype=np.int64)
-    expected = score(curve, None, plan.responses.inverse[0], counts).rmse
+    expected = score(curve, None, plan.responses.inverse[0], counts)
     found = next(c for c in cases if (c["use"], c["image"], c["row"]) == ("all", "2.exr", "0"))
-    assert np.isclose(float(found["rmse"]), expected, rtol=1e-6)
+    assert np.isclose(float(found["mid"]), expected.mid, rtol=1e-6)
+    assert np.isclose(float(found["rmse"]), expected.rmse, rtol=1e-6)
 
 
 def test_photos_of_one_response_are_judged_together(measured):
     _, text, cases = measured
     assert [c["row"] for c in cases if c["use"] == "together"] == ["0", "1"]
-    assert "2 photos together, 2 responses: mean error" in text
+    assert "2 photos together, 2 responses: mean error in stops" in text
 
 
 def test_the_command_writes_its_tables(folder, tmp_path):

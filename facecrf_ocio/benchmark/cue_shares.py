@@ -6,7 +6,7 @@ with a cue left out, with one cue alone, and together with other photos through 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from facecrf_ocio.benchmark.cases import HELD_OUT, Plan
 from facecrf_ocio.benchmark.joint_folds import joint_model
+from facecrf_ocio.benchmark.metrics import score
 from facecrf_ocio.benchmark.tables import csv_table, markdown_table
 from facecrf_ocio.benchmark.workbench import Workbench
 from facecrf_ocio.files.atomic import Draft, write_files
@@ -21,17 +22,17 @@ from facecrf_ocio.files.strict_json import dump
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude
 from facecrf_ocio.joint.evidence import COVERAGE_BINS, Observation, observe
 from facecrf_ocio.joint.statistics import CUES
-from facecrf_ocio.response.stops import NINETY_PERCENT
 from facecrf_ocio.values import Float
 
 ALL, ALONE, WITHOUT, TOGETHER = "all", "alone", "without", "together"
 _DRAWS = 2000
 
 LEGEND = """\
-RMSE of g x 100 on 1,024 uniform encoded values. alone: from one cue and the prior. without: from
+In stops over codes 64 to 235, one free factor taken out at code 128; and RMSE of g x 100 on 1,024
+uniform encoded values. alone: from one cue and the prior. without: from
 all the others. cost: what leaving the cue out adds to the mean error, with the 90 % interval of a
 bootstrap over images. together: one curve for all the images through one response, beside the mean
-error of the same photos one by one. cover: share of codes within the 90 % band."""
+error of the same photos one by one; band: share of codes within the 90 % band in stops."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +43,7 @@ class CueResult:
     cue: str
     image: str
     row: int
+    mid: float
     rmse: float
     cover: float
 
@@ -117,38 +119,37 @@ def _judge(
 ) -> CueResult:
     estimate = conclude(evidence, plan.prior, model)
     truth = plan.responses.inverse[case[3]]
-    grid = np.linspace(0.0, 1.0, truth.shape[1])
-    curve = estimate.curve
-    off = np.array([np.interp(grid, curve.encoded, c) for c in curve.linear]) - truth
-    sigma = np.zeros_like(off)
-    if estimate.confidence is not None:
-        of_code = estimate.confidence.sigma
-        sigma = np.array([np.interp(grid, curve.encoded, s) for s in of_code])
-    inside = np.abs(off) <= NINETY_PERCENT * sigma
-    return CueResult(*case, float(np.sqrt((off**2).mean())), float(inside[:, 1:-1].mean()))
+    nowhere = np.zeros((3, 256), dtype=np.int64)
+    errors = score(estimate.curve, estimate.confidence, truth, nowhere)
+    return CueResult(*case, errors.mid, errors.rmse, errors.band_stops or 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class _Measure:
+    """An error of `CueResult` as the tables show it."""
+
+    title: str
+    name: str
+    factor: float
+    digits: int
+
+    def of(self, results: Iterable[CueResult]) -> Float:
+        return self.factor * np.array([getattr(result, self.name) for result in results])
+
+    def statistics(self, errors: Float) -> list[str]:
+        return [f"{value:.{self.digits}f}" for value in (np.median(errors), errors.mean())]
+
+
+_MEASURES = (_Measure("stops", "mid", 1.0, 3), _Measure("RMSE x 100", "rmse", 100.0, 2))
 
 
 def _write(plan: Plan, results: Sequence[CueResult], output: Path) -> tuple[str, tuple[Path, ...]]:
-    whole = {(r.image, r.row): r.rmse for r in results if r.use == ALL}
-    everything = 100 * np.array(list(whole.values()))
-    table = markdown_table(
-        ["cue", "alone median", "alone mean", "without median", "without mean", "cost"],
-        [
-            ["none left out", "", "", *_statistics(everything), ""],
-            *(_cells(cue, results, whole) for cue in CUES),
-        ],
-    )
-    lines = [f"What each cue of joint earns ({plan.protocols[0]}, {len(whole)} photos)", table]
+    whole = {(r.image, r.row): r for r in results if r.use == ALL}
+    lines = [f"What each cue of joint earns ({plan.protocols[0]}, {len(whole)} photos)"]
+    lines += [_table(measure, results, whole) for measure in _MEASURES]
     joined = [r for r in results if r.use == TOGETHER]
     if joined:
-        single = [np.mean([e for (_, row), e in whole.items() if row == r.row]) for r in joined]
-        errors, alone = 100 * np.array([r.rmse for r in joined]), 100 * np.array(single)
-        lines.append(
-            f"{len(plan.images)} photos together, {len(joined)} responses: mean error "
-            f"{errors.mean():.2f} (median {np.median(errors):.2f}) where one photo has "
-            f"{alone.mean():.2f}; the 90 % band covers "
-            f"{100 * np.mean([r.cover for r in joined]):.0f} %."
-        )
+        lines.append(_joined(len(plan.images), joined, whole))
     text = "\n\n".join([*lines, LEGEND]) + "\n"
     cases = [asdict(result) for result in results]
     contents = {
@@ -160,22 +161,50 @@ def _write(plan: Plan, results: Sequence[CueResult], output: Path) -> tuple[str,
     return text, write_files(drafts, overwrite=True)
 
 
+def _table(
+    measure: _Measure, results: Sequence[CueResult], whole: Mapping[tuple[str, int], CueResult]
+) -> str:
+    headings = ["alone median", "alone mean", "without median", "without mean", "cost"]
+    everything = ["none left out", "", "", *measure.statistics(measure.of(whole.values())), ""]
+    cells = [everything, *(_cells(measure, cue, results, whole) for cue in CUES)]
+    return markdown_table([measure.title, *headings], cells)
+
+
+def _joined(
+    photos: int, joined: Sequence[CueResult], whole: Mapping[tuple[str, int], CueResult]
+) -> str:
+    rows = {result.row for result in joined}
+    single = [result for (_, row), result in whole.items() if row in rows]
+    told = []
+    for measure in _MEASURES:
+        errors, alone = measure.of(joined), measure.of(single)
+        told.append(
+            f"{measure.title} {errors.mean():.{measure.digits}f} (median "
+            f"{np.median(errors):.{measure.digits}f}) where one photo has "
+            f"{alone.mean():.{measure.digits}f}"
+        )
+    return (
+        f"{photos} photos together, {len(joined)} responses: mean error in {', '.join(told)}; the "
+        f"90 % band covers {100 * np.mean([r.cover for r in joined]):.0f} %."
+    )
+
+
 def _cells(
-    cue: str, results: Sequence[CueResult], whole: dict[tuple[str, int], float]
+    measure: _Measure,
+    cue: str,
+    results: Sequence[CueResult],
+    whole: Mapping[tuple[str, int], CueResult],
 ) -> list[str]:
-    alone = 100 * np.array([r.rmse for r in results if (r.use, r.cue) == (ALONE, cue)])
     without = [r for r in results if (r.use, r.cue) == (WITHOUT, cue)]
     if not without:
         return [cue, "-", "-", "-", "-", "-"]
-    rmse = 100 * np.array([r.rmse for r in without])
-    costs = rmse - 100 * np.array([whole[r.image, r.row] for r in without])
+    alone = measure.of(r for r in results if (r.use, r.cue) == (ALONE, cue))
+    left = measure.of(without)
+    costs = left - measure.of(whole[r.image, r.row] for r in without)
     low, high = _interval(costs, [r.image for r in without])
-    cost = f"{costs.mean():+.2f} ({low:+.2f} to {high:+.2f})"
-    return [cue, *_statistics(alone), *_statistics(rmse), cost]
-
-
-def _statistics(errors: Float) -> list[str]:
-    return [f"{np.median(errors):.2f}", f"{errors.mean():.2f}"]
+    mean, least, most = (f"{v:+.{measure.digits}f}" for v in (costs.mean(), low, high))
+    cost = f"{mean} ({least} to {most})"
+    return [cue, *measure.statistics(alone), *measure.statistics(left), cost]
 
 
 def _interval(costs: Float, images: Sequence[str]) -> tuple[float, float]:
