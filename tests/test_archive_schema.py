@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import ast
+import re
 import sqlite3
+from pathlib import Path
 
 import pytest
 
+import facecrf_ocio
 from facecrf_ocio.archive.manifest.database import FILE, Manifest, Stamp
 from facecrf_ocio.archive.manifest.schema import VERSION
-from facecrf_ocio.archive.work.task import Output, Result
+from facecrf_ocio.archive.task import Output, Result
 from facecrf_ocio.errors import OutputError
 
 # As the first version of this package wrote it.
@@ -76,3 +80,20 @@ def test_a_manifest_of_a_newer_version_is_refused_and_not_changed(tmp_path):
     base = sqlite3.connect(tmp_path / FILE)
     assert base.execute("SELECT value FROM about WHERE key = 'schema'").fetchone() == ("99",)
     base.close()
+
+
+STATEMENT = re.compile(
+    r"\s*(SELECT .* FROM|INSERT .*INTO|UPDATE .* SET|DELETE FROM|CREATE (TABLE|INDEX)|PRAGMA) ",
+    re.DOTALL,
+)
+
+
+def test_sql_is_spoken_by_the_manifest_alone():
+    package = Path(facecrf_ocio.__file__).parent
+    speaking = set()
+    for path in package.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            text = node.value if isinstance(node, ast.Constant) else None
+            if isinstance(text, str) and STATEMENT.match(text):
+                speaking.add(path.parent.relative_to(package).as_posix())
+    assert speaking == {"archive/manifest"}

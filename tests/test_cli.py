@@ -91,7 +91,7 @@ class TestCalibrate:
         first, *files = ended.out.splitlines()
         assert first.startswith(f"{photo}: fallback (prior only): ")
         assert {Path(line.strip()) for line in files} == {out / name for name in ALL}
-        curve = read_sidecar(out / "a.crf.json").curve
+        curve = read_sidecar(out / "a.crf.json").estimate.found
         assert curve is not None
         assert np.allclose(curve.linear, srgb_decoding(curve.encoded), atol=1e-6)
 
@@ -139,7 +139,7 @@ class TestCalibrate:
         ended = facecrf("calibrate", photo, "-o", out, "--estimator", name)
         assert ended.code == DONE
         assert "fallback" in ended.out
-        assert read_sidecar(out / "a.crf.json").estimator == name
+        assert read_sidecar(out / "a.crf.json").estimate.estimator == name
 
     @pytest.mark.parametrize(("name", "code"), [("none", NOTHING), ("mean", DONE), ("srgb", DONE)])
     def test_fallback_without_a_face(
@@ -191,7 +191,7 @@ class TestCalibrate:
             command = ("calibrate", tmp_path / "a.png", "-o", out, "--overwrite", option)
             ended = facecrf(*command, "--estimator", "face-unshaded")
             assert (ended.code, ended.err) == (DONE, "")
-            curve = read_sidecar(out / "a.crf.json").curve
+            curve = read_sidecar(out / "a.crf.json").estimate.found
             assert curve is not None
             assert (curve.linear == curve.linear[0]).all() == (option == "--shared")
 
@@ -323,7 +323,7 @@ class TestScenelinearPhotos:
         assert (ended.code, ended.err) == (DONE, "")
         assert "already linear" in ended.out
         if command == "calibrate":
-            curve = read_sidecar(out / "a.crf.json").curve
+            curve = read_sidecar(out / "a.crf.json").estimate.found
             assert curve is not None
             assert np.array_equal(curve.linear, np.tile(curve.encoded, (3, 1)))
         else:

@@ -48,7 +48,7 @@ def expect_what_is_printed(printed: str, folder: Path) -> None:
 def expect_lut(lut: Path, sidecar: Path) -> None:
     """Expect OCIO to load a LUT and to make of gray what the sidecar's curve does."""
     processor = ocio.Config.CreateRaw().getProcessor(ocio.FileTransform(src=str(lut)))
-    curve = read_sidecar(sidecar).curve
+    curve = read_sidecar(sidecar).estimate.found
     assert curve is not None
     for gray in (0.0, 0.25, 0.5, 0.75, 1.0):
         result = processor.getDefaultCPUProcessor().applyRGB([gray] * 3)

@@ -75,7 +75,7 @@ def test_without_a_curve_there_is_only_the_sidecar(tmp_path: Path) -> None:
     nothing = Estimate(Outcome.NOT_CALIBRATED, "face", "no face", "give a photo with a face")
     written = write_outputs(photo(), nothing, Settings(), tmp_path)
     assert [path.name for path in written] == ["a.crf.json"]
-    assert read_sidecar(written[0]).reason == "no face"
+    assert read_sidecar(written[0]).estimate.reason == "no face"
 
 
 @pytest.mark.parametrize("existing", ["a.spi1d", "a.cube", "a.clf", "a.crf.json"])

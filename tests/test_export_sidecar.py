@@ -62,6 +62,11 @@ def estimate(**changes: Any) -> Estimate:
         faces=(Face(np.array([1.5, 2.0, 100.0, 120.0]), np.zeros((478, 3)), 0.875),),
         assumptions=("primaries are those of Rec.709", "exposure is known up to a factor"),
     )
+    if "found" in changes and "confidence" not in changes:
+        count = changes["found"].encoded.size
+        changes["confidence"] = Confidence(
+            rng.random((3, count)), rng.random((3, count)), Verdict.WEAK, ()
+        )
     return replace(known, **changes)
 
 
@@ -76,10 +81,10 @@ def refuse(constant: str) -> None:
 def test_the_curve_comes_back_to_the_last_digit(tmp_path: Path) -> None:
     given_estimate = estimate()
     back = read_sidecar(write_sidecar(tmp_path / "a.crf.json", photo(), given_estimate, Settings()))
-    assert back.curve is not None
-    np.testing.assert_array_equal(back.curve.encoded, given_estimate.curve.encoded)
-    np.testing.assert_array_equal(back.curve.linear, given_estimate.curve.linear)
-    np.testing.assert_array_equal(back.coefficients, given_estimate.coefficients)
+    assert back.estimate.found is not None
+    np.testing.assert_array_equal(back.estimate.found.encoded, given_estimate.curve.encoded)
+    np.testing.assert_array_equal(back.estimate.found.linear, given_estimate.curve.linear)
+    np.testing.assert_array_equal(back.estimate.coefficients, given_estimate.coefficients)
 
 
 @hypothesis_settings(max_examples=20, deadline=None)
@@ -90,7 +95,8 @@ def test_any_curve_comes_back_to_the_last_digit(
     samples = np.array([0.0, *sorted(inner), 1.0])
     curve = InverseCRF(samples, np.stack([samples] * 3))
     path = tmp_path_factory.mktemp("sidecar") / "a.crf.json"
-    back = read_sidecar(write_sidecar(path, photo(), estimate(found=curve), Settings())).curve
+    written = write_sidecar(path, photo(), estimate(found=curve), Settings())
+    back = read_sidecar(written).estimate.found
     assert back is not None
     np.testing.assert_array_equal(back.encoded, samples)
     np.testing.assert_array_equal(back.linear, curve.linear)
@@ -102,11 +108,13 @@ def test_everything_else_comes_back_too(tmp_path: Path) -> None:
         tmp_path / "a.crf.json", photo(), estimate(), settings, luts=[tmp_path / "a.spi1d"]
     )
     back = read_sidecar(path)
-    assert (back.outcome, back.estimator) == (Outcome.CALIBRATED, "face")
-    assert (back.reason, back.remedy) == ("1 face gave 123 pairs", "")
-    assert back.energy == {"E_p": 1.5, "E_G": -2.0, "E_m": 0.0}
-    assert [(face.box_xy, face.score) for face in back.faces] == [((1.5, 2, 100, 120), 0.875)]
-    assert back.assumptions == estimate().assumptions
+    assert (back.estimate.outcome, back.estimate.estimator) == (Outcome.CALIBRATED, "face")
+    assert (back.estimate.reason, back.estimate.remedy) == ("1 face gave 123 pairs", "")
+    assert back.estimate.energy == {"E_p": 1.5, "E_G": -2.0, "E_m": 0.0}
+    assert [(*face.box_xy, face.score) for face in back.estimate.faces] == [
+        (1.5, 2, 100, 120, 0.875)
+    ]
+    assert back.estimate.assumptions == estimate().assumptions
     assert Settings(**back.settings) == settings  # type: ignore[arg-type]
     assert back.luts == ("a.spi1d",)
     source = back.source
@@ -117,7 +125,7 @@ def test_everything_else_comes_back_too(tmp_path: Path) -> None:
 
 def test_confidence_comes_back_to_six_digits(tmp_path: Path) -> None:
     path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
-    back, known = read_sidecar(path).confidence, estimate().confidence
+    back, known = read_sidecar(path).estimate.confidence, estimate().confidence
     assert back is not None
     assert known is not None
     assert (back.verdict, back.reasons) == (Verdict.WEAK, ("few pairs", "dark"))
@@ -162,7 +170,7 @@ def test_what_is_told_in_stops_comes_back(tmp_path: Path) -> None:
     )
     path = tmp_path / "a.crf.json"
     write_sidecar(path, photo(), replace(known, confidence=told), Settings())
-    back = read_sidecar(path).confidence
+    back = read_sidecar(path).estimate.confidence
     assert back is not None
     assert back.in_stops is not None
     assert (back.in_stops.mid, back.in_stops.shadows) == (0.0842, 0.213)
@@ -179,7 +187,7 @@ def test_a_record_from_before_stops_were_told_is_read(tmp_path: Path) -> None:
         del record["confidence"][name]
     del record["confidence"]["outvoted"]
     path.write_text(json.dumps(record), "utf-8")
-    back = read_sidecar(path).confidence
+    back = read_sidecar(path).estimate.confidence
     assert back is not None
     assert (back.in_stops, back.nearer_than_srgb, back.outvoted) == (None, None, ())
 
@@ -187,13 +195,15 @@ def test_a_record_from_before_stops_were_told_is_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize("given_estimate", [estimate(), smooth_estimate()])
 def test_a_record_of_the_first_version_is_read(given_estimate: Estimate, tmp_path: Path) -> None:
     back = read_sidecar(old_record(tmp_path / "a.crf.json", given_estimate))
-    assert back.curve is not None
-    assert back.confidence is not None
+    assert back.estimate.found is not None
+    assert back.estimate.confidence is not None
     assert given_estimate.confidence is not None
-    np.testing.assert_array_equal(back.curve.encoded, given_estimate.curve.encoded)
-    np.testing.assert_array_equal(back.curve.linear, given_estimate.curve.linear)
-    np.testing.assert_array_equal(back.confidence.sigma, given_estimate.confidence.sigma)
-    np.testing.assert_array_equal(back.confidence.coverage, given_estimate.confidence.coverage)
+    np.testing.assert_array_equal(back.estimate.found.encoded, given_estimate.curve.encoded)
+    np.testing.assert_array_equal(back.estimate.found.linear, given_estimate.curve.linear)
+    np.testing.assert_array_equal(back.estimate.confidence.sigma, given_estimate.confidence.sigma)
+    np.testing.assert_array_equal(
+        back.estimate.confidence.coverage, given_estimate.confidence.coverage
+    )
 
 
 def test_a_curve_is_written_once_and_smooth_bands_thinned(tmp_path: Path) -> None:
@@ -203,12 +213,12 @@ def test_a_curve_is_written_once_and_smooth_bands_thinned(tmp_path: Path) -> Non
     path = write_sidecar(tmp_path / "a.crf.json", photo(), given_estimate, Settings())
     assert path.stat().st_size < 100_000
     back = read_sidecar(path)
-    assert back.curve is not None
-    assert back.confidence is not None
-    np.testing.assert_array_equal(back.curve.encoded, given_estimate.curve.encoded)
-    np.testing.assert_array_equal(back.curve.linear, given_estimate.curve.linear)
-    assert np.abs(back.confidence.sigma - told.sigma).max() <= 1e-5
-    assert np.abs(back.confidence.coverage - told.coverage).max() <= 1e-5
+    assert back.estimate.found is not None
+    assert back.estimate.confidence is not None
+    np.testing.assert_array_equal(back.estimate.found.encoded, given_estimate.curve.encoded)
+    np.testing.assert_array_equal(back.estimate.found.linear, given_estimate.curve.linear)
+    assert np.abs(back.estimate.confidence.sigma - told.sigma).max() <= 1e-5
+    assert np.abs(back.estimate.confidence.coverage - told.coverage).max() <= 1e-5
 
 
 @hypothesis_settings(max_examples=100, deadline=None)
@@ -253,9 +263,16 @@ def test_versions_of_what_made_it_are_told(tmp_path: Path) -> None:
 def test_a_photo_that_could_not_be_calibrated_has_a_sidecar_too(tmp_path: Path) -> None:
     path = write_sidecar(tmp_path / "a.crf.json", photo(), not_calibrated(), Settings())
     back = read_sidecar(path)
-    assert (back.outcome, back.curve) == (Outcome.NOT_CALIBRATED, None)
-    assert (back.confidence, back.coefficients, back.faces) == (None, None, ())
-    assert (back.reason, back.remedy) == ("no face was found", "give a photo with a face")
+    assert (back.estimate.outcome, back.estimate.found) == (Outcome.NOT_CALIBRATED, None)
+    assert (back.estimate.confidence, back.estimate.coefficients, back.estimate.faces) == (
+        None,
+        None,
+        (),
+    )
+    assert (back.estimate.reason, back.estimate.remedy) == (
+        "no face was found",
+        "give a photo with a face",
+    )
 
 
 def test_a_photo_in_memory_has_one_too(tmp_path: Path) -> None:
@@ -278,16 +295,16 @@ def test_every_field_of_photo_estimate_and_settings_is_told(tmp_path: Path) -> N
 
 def test_the_file_is_strict_json_even_where_numbers_are_not_finite(tmp_path: Path) -> None:
     confidence = Confidence(
-        np.full((3, 4), np.nan), np.full((3, 4), np.inf), Verdict.PRIOR_ONLY, ()
+        np.full((3, 256), np.nan), np.full((3, 256), np.inf), Verdict.PRIOR_ONLY, ()
     )
     odd = estimate(energy={"E_p": np.float64("nan"), "E_m": np.float32(2)}, confidence=confidence)
     path = write_sidecar(tmp_path / "a.crf.json", photo(), odd, Settings())
     record = json.loads(path.read_bytes().decode("utf-8"), parse_constant=refuse)
     assert record["energy"] == {"E_p": None, "E_m": 2.0}
     back = read_sidecar(path)
-    assert np.isnan(back.energy["E_p"])
-    assert back.confidence is not None
-    assert np.isnan(back.confidence.sigma).all()
+    assert np.isnan(back.estimate.energy["E_p"])
+    assert back.estimate.confidence is not None
+    assert np.isnan(back.estimate.confidence.sigma).all()
 
 
 @pytest.mark.parametrize("name", ["Zoë 日本 🙂.jpg", 'a "b" $c\\d\n\x00.jpg', "bytes \udcff.jpg"])
@@ -301,9 +318,9 @@ def test_an_existing_sidecar_stays_unless_overwriting_is_asked_for(tmp_path: Pat
     path = write_sidecar(tmp_path / "a.crf.json", photo(), not_calibrated(), Settings())
     with pytest.raises(OutputError, match=r"a\.crf\.json: exists already; pass --overwrite"):
         write_sidecar(path, photo(), estimate(), Settings())
-    assert read_sidecar(path).curve is None
+    assert read_sidecar(path).estimate.found is None
     write_sidecar(path, photo(), estimate(), Settings(), overwrite=True)
-    assert read_sidecar(path).curve is not None
+    assert read_sidecar(path).estimate.found is not None
 
 
 def damaged(path: Path, **changes: Any) -> Path:
@@ -352,3 +369,33 @@ def test_a_newer_sidecar_asks_for_an_update(tmp_path: Path) -> None:
 def test_a_missing_sidecar_is_told(tmp_path: Path) -> None:
     with pytest.raises(LutError, match=r"a\.crf\.json: cannot be read: no such file"):
         read_sidecar(tmp_path / "a.crf.json")
+
+
+@pytest.mark.parametrize(
+    "absurd",
+    [
+        {"curve": {"encoded": {"uniform": 10**15}, "linear": [{"at": [0, 1], "is": [0, 1]}]}},
+        {"curve": {"encoded": {"uniform": 2}, "linear": [{"at": [0, 10**12], "is": [0, 1]}]}},
+        {"coefficients": [[10**400]]},
+        {"energy": {"E_p": 10**400}},
+        {"luts": ["../../a.spi1d"]},
+        {"luts": ["/etc/passwd"]},
+        {"faces": [{"box_xy": "abcd", "score": 1}]},
+    ],
+)
+def test_absurd_numbers_and_names_are_refused_at_once(tmp_path: Path, absurd: Any) -> None:
+    path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
+    with pytest.raises(LutError, match="is not a sidecar of facecrf, or was changed"):
+        read_sidecar(damaged(path, **absurd))
+
+
+def test_a_number_beyond_what_floats_hold_and_a_huge_file_are_refused(tmp_path: Path) -> None:
+    path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
+    content = path.read_bytes()
+    path.write_bytes(content.replace(b'"score": 0.875', b'"score": 1e999'))
+    with pytest.raises(LutError, match="more than a number can hold"):
+        read_sidecar(path)
+    with path.open("wb") as file:
+        file.truncate(1 << 40)  # a terabyte of nothing
+    with pytest.raises(LutError, match="more than 32 MB"):
+        read_sidecar(path)

@@ -188,9 +188,9 @@ def test_command_writes_what_calibrate_writes(pair_files, tmp_path):
     luts = {"photo.spi1d", "photo.cube", "photo.clf"}
     assert names == luts | {"photo.crf.json", "photo.crf.png"}
     record = read_sidecar(tmp_path / "out" / "photo.crf.json")
-    assert record.estimator == "pair"
+    assert record.estimate.estimator == "pair"
     assert record.source.name == "photo.jpg"
-    assert errors(record.curve).max() < 0.02
+    assert errors(record.estimate.curve).max() < 0.02
     assert run(*pair_files, "-o", tmp_path / "out").exit_code == 1  # nothing is overwritten
 
 
@@ -203,7 +203,7 @@ def test_command_writes_the_way_back_and_on_to_a_working_space(pair_files, tmp_p
     assert {p.name for p in out.iterdir()} == {there.name, back.name, "photo.crf.json"}
     photo = replace(read_photo(pair_files[1]), bit_depth=None)
     linear = apply_lut(photo, there)
-    curve = read_sidecar(out / "photo.crf.json").curve
+    curve = read_sidecar(out / "photo.crf.json").estimate.found
     wanted = curve.linearize(photo.encoded) @ working_space_matrix(photo.primaries, "acescg").T
     assert np.abs(linear - wanted).max() < 1e-5
     assert np.abs(apply_lut(replace(photo, encoded=linear), back) - photo.encoded).max() < 1e-3

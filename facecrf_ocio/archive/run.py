@@ -2,42 +2,37 @@
 
 from __future__ import annotations
 
-import fcntl
-import json
 import os
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from facecrf_ocio import __version__
+from facecrf_ocio.archive.in_the_way import Alike, in_the_way
 from facecrf_ocio.archive.manifest.database import (
     DONE,
     GATHERED,
-    STARTED,
     UNSEEN,
     WRITING,
-    Known,
     Manifest,
     Stamp,
 )
-from facecrf_ocio.archive.manifest.duplicates import from_twin, mark_duplicates
-from facecrf_ocio.archive.walk import name_of
+from facecrf_ocio.archive.place import MOUNT, Place, alone, require_apart, source_identity
+from facecrf_ocio.archive.task import FAILED, GATHER, WHOLE, Recipe, Result, Task
+from facecrf_ocio.archive.twins import from_twin
+from facecrf_ocio.archive.unchanged import Unchanged
+from facecrf_ocio.archive.walk import as_utf8, name_of
 from facecrf_ocio.archive.work.processes import Limits, Pool
 from facecrf_ocio.archive.work.status import status_of
-from facecrf_ocio.archive.work.task import FAILED, GATHER, WHOLE, Recipe, Result, Task
-from facecrf_ocio.errors import OutputError, PhotoError, reason_of
-from facecrf_ocio.files.content import fingerprint_of, sha256_of
+from facecrf_ocio.errors import OutputError, PhotoError
+from facecrf_ocio.files.content import fingerprint_of
 from facecrf_ocio.files.folders import make_folder
 
 if TYPE_CHECKING:
     from facecrf_ocio.archive.work.dask_cluster import Cluster, ClusterPool
 
-LOCK = "facecrf-manifest.lock"
-TEMPORARY = ".facecrf-*"
 REOPENED = "reopened"
-_MOUNT = "mount it, or check the name, and start again"
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +53,9 @@ class Job:
         Try photos again that failed before, though nothing changed.
     cluster
         Work there instead of in processes of this machine; `jobs` is without effect then.
+    again
+        Photos whose outputs are to be made again though they look as they were written. If there
+        are any, nothing is found out of others.
     """
 
     source: Path
@@ -68,6 +66,7 @@ class Job:
     overwrite: bool = False
     retry: bool = False
     cluster: Cluster | None = None
+    again: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,17 +110,20 @@ def run(job: Job, photos: Iterable[Path], tell: Callable[[Event], None]) -> None
         If the cluster cannot be reached, is not set up for the work, or was lost.
     """
     require_apart(job.source, job.folder)
-    identity = _identity(job.source)
+    identity = source_identity(job.source)
     make_folder(job.folder)
-    with _alone(job.folder):
+    with alone(job.folder):
+        place = Place.of(job.folder)
         manifest = Manifest(job.folder)
         try:
             _require_same_source(manifest, job.source)
-            _clear_leftovers(manifest, job.folder)
+            place.clear(manifest.started())
             with _pool(job) as pool:
-                _Run(job, manifest, pool, identity, tell).through(photos)
+                recipe = job.recipe.sha256(__version__), job.recipe.to_json()
+                manifest.note_run(*recipe, pool.processors())
+                _Run(job, place, manifest, pool, identity, tell).through(photos)
             if job.cluster is not None:
-                _clear_lost_workers(job.folder)
+                place.clear_all()
         finally:
             manifest.close()
 
@@ -138,27 +140,32 @@ class _Run:
     def __init__(
         self,
         job: Job,
+        place: Place,
         manifest: Manifest,
         pool: Pool | ClusterPool,
         identity: tuple[int, int],
         tell: Callable[[Event], None],
     ) -> None:
-        self.job, self.manifest, self.pool, self.tell = job, manifest, pool, tell
-        self.identity = identity
+        self.job, self.place, self.manifest = job, place, manifest
+        self.pool, self.identity, self.tell = pool, identity, tell
         self.recipe = job.recipe.sha256(__version__)
         self.step = GATHER if job.recipe.pool else WHOLE
+        self.unchanged = Unchanged(manifest, place)
+        self.alike: Alike = place.alike()
         self.pending: dict[str, _Pending] = {}
 
     def through(self, photos: Iterable[Path]) -> None:
         seen = False
-        self.manifest.forget_unseen()
+        if not self.job.again:
+            self.manifest.forget_unseen()
         for task in self._to_do(photos):
             seen = True
             self._submit(task)
         self._collect_all()
+        self.unchanged.record()
         if not seen:
             self._require_source()
-        mark_duplicates(self.manifest)
+        self.manifest.mark_duplicates()
         if self.job.recipe.pool:
             self._write_waiting()
 
@@ -171,29 +178,6 @@ class _Run:
         while self.pool.busy:
             self._collect()
 
-    def _write_waiting(self) -> None:
-        # Only here, because they bring OpenCV and the networks into this process.
-        from facecrf_ocio.archive.cameras.settle import settle  # noqa: PLC0415
-        from facecrf_ocio.archive.manifest.waiting import waiting  # noqa: PLC0415
-
-        def reopened(name: str, result: Result) -> None:
-            self.tell(Event(name, result, fresh=False, step=REOPENED))
-
-        job = self.job
-        settle(self.manifest, self.recipe, job.recipe.prior, reopened)
-        for task, result in waiting(self.manifest, job.source, job.folder, job.recipe, self.recipe):
-            if result is not None:
-                self._record_written(task, result)
-            elif os.path.lexists(task.source):
-                with self.manifest.transaction():
-                    self.manifest.change(
-                        "UPDATE photos SET state = ? WHERE name = ?", WRITING, task.name
-                    )
-                self._submit(task)
-            else:
-                self._require_source()
-        self._collect_all()
-
     def _to_do(self, photos: Iterable[Path]) -> Iterator[Task]:
         count = 0
         for path in photos:
@@ -203,7 +187,7 @@ class _Run:
                 yield task
         if count == 0 and len(self.manifest):
             raise PhotoError(
-                self.job.source, "holds no photo, though the manifest lists some", _MOUNT
+                self.job.source, "holds no photo, though the manifest lists some", MOUNT
             )
 
     def _decide(self, path: Path) -> Task | None:
@@ -212,86 +196,104 @@ class _Run:
         try:
             status = status_of(path)
         except PhotoError as error:
-            self._list_unseen(name, str(error))
+            self._require_source()
+            self._list_unseen(name, Result(FAILED, reason=error.problem, remedy=error.remedy))
             return None
-        stamp = Stamp(status.st_size, status.st_mtime_ns, self.recipe)
+        stamp = Stamp(status.st_size, status.st_mtime_ns, self.recipe, status.st_ctime_ns)
         known = self.manifest.known(name)
-        if known is not None and self._is_touched(known, stamp, path):
-            with self.manifest.transaction():
-                self.manifest.touch(name, stamp)
-            known = replace(known, stamp=stamp)
-        if known is not None and self._is_done(known, stamp):
+        if known is None or not self.unchanged.is_photo(name, known, stamp, path):
+            return self._begin(path, name, stamp)
+        again = name in self.job.again or (self.job.retry and known.outcome == FAILED)
+        if known.state == DONE and not again and self.unchanged.are_outputs(name):
             self.tell(Event(name, Result(known.outcome, known.verdict), fresh=False))
             return None
-        if known is not None and self._is_gathered(known, stamp):
+        if known.state in (GATHERED, WRITING):
             self.tell(Event(name, Result(""), fresh=False, step=GATHERED))
             return None
-        return self._begin(path, name, stamp, known)
+        return self._begin(path, name, stamp)
 
-    def _list_unseen(self, name: str, problem: str) -> None:
+    def _list_unseen(self, name: str, result: Result) -> None:
         """List what cannot be looked at; what is known of it from before stays as it is."""
-        self._require_source()
-        if self.manifest.known(name) is not None:
-            return
-        result = Result(FAILED, reason=problem)
+        if self.manifest.known(name) is None:
+            self._list_until_next(name, result)
+
+    def _list_until_next(self, name: str, result: Result) -> None:
+        """List a failure that the next run tries anew."""
         with self.manifest.transaction():
             self.manifest.finish(name, Stamp(UNSEEN, 0, self.recipe), result)
         self.tell(Event(name, result, fresh=True))
 
-    def _begin(self, path: Path, name: str, stamp: Stamp, known: Known | None) -> Task | None:
+    def _begin(self, path: Path, name: str, stamp: Stamp) -> Task | None:
         """Mark a photo as begun, and return what a worker is to do with it."""
-        task = Task(path, name, self.job.folder, self.job.recipe, True, self.step)
-        taken = None if self.job.overwrite else self._taken(task, known)
+        recipe, overwrite = self.job.recipe, self.job.overwrite
+        task = Task(path, name, self.place, recipe, overwrite=overwrite, step=self.step)
+        problem = in_the_way(self.manifest, task, self.alike)
+        if problem is not None:
+            self._hinder(task, problem)
+            return None
+        task = replace(task, overwrite=True)  # what is there is the archive's own, or given up
         fingerprint = fingerprint_of(path)
         self._wait_for_twin(fingerprint)
         self.pending[name] = _Pending(stamp, fingerprint)
-        if taken is not None:
-            problem = f"{taken}: exists already; pass --overwrite to replace it"
-            self._record(task, Result(FAILED, reason=problem))
-            return None
         with self.manifest.transaction():
-            self.manifest.start(name, stamp)
+            self.manifest.start(name, stamp, self._free(task))
+        return self._from_twin(task, fingerprint)
+
+    def _hinder(self, task: Task, problem: Result) -> None:
+        """Tell why outputs cannot be written; what was made of the photo before stays."""
+        known = self.manifest.known(task.name)
+        if known is None or (known.state == DONE and not self.manifest.outputs(task.name)):
+            self._list_until_next(task.name, problem)
+        else:
+            self.tell(Event(task.name, problem, fresh=True))
+
+    def _free(self, task: Task) -> list[str]:
+        """Outputs that are not there yet: what a killed worker leaves of them is the archive's."""
+        return [name for name in task.planned if not os.path.lexists(task.place.inside(name))]
+
+    def _from_twin(self, task: Task, fingerprint: str) -> Task | None:
         twin = from_twin(self.manifest, task, fingerprint, self.recipe)
         if twin is None:
             return task
         task, result = twin
-        if result is not None:
-            self._record(task, result)
-            return None
-        return task
+        if result is None:
+            return task
+        self._record(task, result)
+        return None
 
     def _wait_for_twin(self, fingerprint: str) -> None:
         """Let a photo be finished that probably has the same bytes as the next one."""
         while fingerprint and any(p.fingerprint == fingerprint for p in self.pending.values()):
             self._collect()
 
-    def _is_gathered(self, known: Known, stamp: Stamp) -> bool:
-        return known.state in (GATHERED, WRITING) and known.stamp == stamp
+    def _write_waiting(self) -> None:
+        # Only here, because they bring OpenCV and the networks into this process.
+        from facecrf_ocio.archive.cameras.settle import settle  # noqa: PLC0415
+        from facecrf_ocio.archive.cameras.waiting import waiting  # noqa: PLC0415
 
-    def _is_touched(self, known: Known, stamp: Stamp, path: Path) -> bool:
-        """Whether a photo has another time, but the bytes that it had."""
-        if known.state == STARTED or known.stamp == stamp or not known.sha256:
-            return False
-        if replace(known.stamp, mtime_ns=stamp.mtime_ns) != stamp:
-            return False
-        try:
-            return sha256_of(path) == known.sha256
-        except OutputError:
-            return False
+        def reopened(name: str, result: Result) -> None:
+            self.tell(Event(name, result, fresh=False, step=REOPENED))
 
-    def _is_done(self, known: Known, stamp: Stamp) -> bool:
-        again = self.job.retry and known.outcome == FAILED
-        return known.state == DONE and known.stamp == stamp and not again
+        job = self.job
+        settle(self.manifest, self.recipe, job.recipe.prior, reopened)
+        like = Task(job.source, "", self.place, job.recipe, overwrite=job.overwrite)
+        for task, result in waiting(self.manifest, like, self.recipe):
+            if result is not None:
+                self._record_written(task, result)
+            else:
+                self._write_one(task)
+        self._collect_all()
 
-    def _taken(self, task: Task, known: Known | None) -> Path | None:
-        """Return a file in the way that is not this archive's own."""
-        if known is not None and known.state != DONE:
-            return None
-        for planned in task.planned:
-            path = task.folder / planned
-            if os.path.lexists(path) and not self.manifest.has_output(planned):
-                return path
-        return None
+    def _write_one(self, task: Task) -> None:
+        problem = in_the_way(self.manifest, task, self.alike)
+        if problem is not None:
+            self.tell(Event(task.name, problem, fresh=True))
+        elif os.path.lexists(task.source):
+            with self.manifest.transaction():
+                self.manifest.writing(task.name, self._free(task))
+            self._submit(replace(task, overwrite=True))
+        else:
+            self._require_source()
 
     def _collect(self) -> None:
         for task, result in self.pool.results():
@@ -300,108 +302,54 @@ class _Run:
             if result.outcome == FAILED:
                 self._require_source()
                 if not os.path.lexists(task.source):  # its folder may be what was unmounted
-                    with self.manifest.transaction():
-                        self.manifest.forget(task.name)
-                    self.pending.pop(task.name, None)
+                    self._forget(task)
                     continue
-                _remove(task.folder, task.planned)
             if task.name in self.pending:
                 self._record(task, result)
             else:
                 self._record_written(task, result)
 
+    def _forget(self, task: Task) -> None:
+        with self.manifest.transaction():
+            self.manifest.forget(task.name)
+        self.pending.pop(task.name, None)
+
     def _record(self, task: Task, result: Result) -> None:
         """Record what came of a photo that was looked at."""
         pending = self.pending.pop(task.name)
         if result.gathered is not None:
-            key = json.dumps([*result.camera, result.shot.style], ensure_ascii=False)
             with self.manifest.transaction():
-                self.manifest.gather(task.name, pending.stamp, result, pending.fingerprint, key)
+                self.manifest.gather(task.name, pending.stamp, result, pending.fingerprint)
             self.tell(Event(task.name, result, fresh=True, step=GATHERED))
             return
+        stamp = pending.stamp if result.lasting else Stamp(UNSEEN, 0, self.recipe)
         self._remove_former(task, result)
         with self.manifest.transaction():
-            self.manifest.finish(task.name, pending.stamp, result, pending.fingerprint)
-        self.tell(Event(task.name, replace(result, outputs=()), fresh=True))
+            self.manifest.finish(task.name, stamp, result, pending.fingerprint)
+        self.tell(Event(task.name, result, fresh=True))
 
     def _record_written(self, task: Task, result: Result) -> None:
         """Record that a photo got the curve that was decided."""
         self._remove_former(task, result)
         with self.manifest.transaction():
             self.manifest.written(task.name, result)
-        self.tell(Event(task.name, replace(result, outputs=()), fresh=True))
+        self.tell(Event(task.name, result, fresh=True))
 
     def _remove_former(self, task: Task, result: Result) -> None:
         # Before the row, so that a run that is cut here finds them in its own unfinished row.
         own = {output.name for output in result.outputs}
         former = {output.name for output in self.manifest.outputs(task.name)}
-        _remove(task.folder, former - own)
+        self.place.remove(former - own)
 
     def _require_source(self) -> None:
-        if _identity(self.job.source) != self.identity:
-            raise PhotoError(self.job.source, "is no longer the folder it was", _MOUNT)
-
-
-def require_apart(source: Path, folder: Path) -> None:
-    """Raise OutputError if outputs would lie among the photos, or photos among the outputs."""
-    here, there = source.resolve(), folder.resolve()
-    if here == there or here in there.parents or there in here.parents:
-        raise OutputError(
-            f"{folder}: lies inside of {source}, or around it; write to a folder of its own"
-        )
-
-
-def _identity(source: Path) -> tuple[int, int]:
-    """Device and inode of a folder: another file system mounted, or none, has others."""
-    try:
-        status = source.stat()
-    except OSError:
-        raise PhotoError(source, "is not there", _MOUNT) from None
-    if not source.is_dir():
-        raise PhotoError(source, "is not a folder", "name the folder of the photos")
-    return status.st_dev, status.st_ino
-
-
-@contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """Keep other runs out of a folder; the lock ends with the process, however that ends."""
-    try:
-        file = (folder / LOCK).open("a")
-    except OSError as error:
-        reason = reason_of(error)
-        problem = f"{folder}: cannot be written: {reason}; choose a folder you may write to"
-        raise OutputError(problem) from error
-    with file as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise OutputError(f"{folder}: another run is at work there; wait for it") from None
-        yield
+        if source_identity(self.job.source) != self.identity:
+            raise PhotoError(self.job.source, "is no longer the folder it was", MOUNT)
 
 
 def _require_same_source(manifest: Manifest, source: Path) -> None:
     """Names are relative to the source, so two sources in one folder would be confused."""
-    here, there = os.fsencode(source.resolve()).decode("utf-8", "backslashreplace"), "source"
+    here, there = as_utf8(str(source.resolve())), "source"
     former = manifest.about(there)
     if former is not None and former != here:
         raise OutputError(f"{manifest.path}: is of the photos in {former}; write elsewhere")
     manifest.note(there, here)
-
-
-def _clear_leftovers(manifest: Manifest, folder: Path) -> None:
-    """Remove temporary files of a run that was killed."""
-    for place in {(folder / name).parent for name in manifest.started()}:
-        for leftover in place.glob(TEMPORARY):
-            leftover.unlink(missing_ok=True)
-
-
-def _clear_lost_workers(folder: Path) -> None:
-    """Remove temporary files of cluster workers that were lost; their photos were done again."""
-    for leftover in folder.rglob(TEMPORARY):
-        leftover.unlink(missing_ok=True)
-
-
-def _remove(folder: Path, names: Iterable[str]) -> None:
-    for name in names:
-        with suppress(OSError):
-            (folder / name).unlink()

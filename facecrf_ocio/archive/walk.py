@@ -4,16 +4,41 @@ from __future__ import annotations
 
 import os
 import stat
+from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from pathlib import Path
 
 from facecrf_ocio.errors import PhotoError, reason_of
 from facecrf_ocio.photo.suffixes import PHOTO_SUFFIXES
 
+OTHER_SOFTWARE = (
+    *("@eaDir", "#recycle", "#snapshot"),  # Synology
+    *("@Recycle", "@Recently-Snapshot", ".@__thumb", ".@upload_cache"),  # QNAP
+    *(".Trash", ".Trash-*", ".Trashes", "$RECYCLE.BIN", "RECYCLER", "lost+found"),  # systems' bins
+    *(".snapshot", ".snapshots", ".zfs", "~snapshot"),  # snapshots of storage
+    *(".thumbnails", ".thumbs", ".AppleDouble", ".Spotlight-V100", ".fseventsd"),
+    *(".TemporaryItems", "System Volume Information"),
+)
+"""Folders in which systems and storage keep thumbnails, deleted photos and former versions."""
+
+
+@dataclass(slots=True)
+class Passed:
+    """What a walk passed over: folders by name, and files by suffix, each with their number."""
+
+    folders: Counter[str] = field(default_factory=Counter)
+    suffixes: Counter[str] = field(default_factory=Counter)
+
 
 def photos_under(
-    root: Path, include: Sequence[str] = (), exclude: Sequence[str] = ()
+    root: Path,
+    include: Sequence[str] = (),
+    exclude: Sequence[str] = (),
+    *,
+    all_folders: bool = False,
+    passed: Passed | None = None,
 ) -> Iterator[Path]:
     """Walk a folder in the order of names.
 
@@ -27,28 +52,45 @@ def photos_under(
     include, exclude
         Globs on the path relative to `root` or on the name alone, without regard to case. Without
         any to include, the files of `photo.suffixes.PHOTO_SUFFIXES` are.
+    all_folders
+        Also look into folders like `OTHER_SOFTWARE`.
+    passed
+        Gets what is passed over without having been excluded.
 
     Raises
     ------
     PhotoError
         If the folder itself cannot be read.
     """
+    passed = passed or Passed()
     unread: list[OSError] = []
     for folder, below, names in os.walk(root, onerror=unread.append):
         yield from _places(unread, root)
+        here = Path(folder)
         below[:] = sorted(
-            name for name in below if not _matches(Path(folder, name).relative_to(root), exclude)
+            name for name in below if not _matches((here / name).relative_to(root), exclude)
         )
+        if not all_folders:
+            others = [name for name in below if _matches(Path(name), OTHER_SOFTWARE)]
+            passed.folders.update(others)
+            below[:] = [name for name in below if name not in others]
         for name in sorted(names):
-            path = Path(folder, name)
+            path = here / name
             relative = path.relative_to(root)
-            if include:
-                wanted = _matches(relative, include)
-            else:
-                wanted = path.suffix.lower() in PHOTO_SUFFIXES and not name.startswith("._")
-            if wanted and not _matches(relative, exclude) and _may_be_photo(path):
+            if _matches(relative, exclude):
+                continue
+            if not _is_wanted(relative, include):
+                passed.suffixes[path.suffix.lower()] += 1
+            elif _may_be_photo(path):
                 yield path
     yield from _places(unread, root)
+
+
+def _is_wanted(relative: Path, include: Sequence[str]) -> bool:
+    if include:
+        return _matches(relative, include)
+    # A name that begins so is what macOS keeps beside a file on other file systems.
+    return relative.suffix.lower() in PHOTO_SUFFIXES and not relative.name.startswith("._")
 
 
 def _places(unread: list[OSError], root: Path) -> Iterator[Path]:
@@ -76,8 +118,8 @@ def _matches(relative: Path, globs: Sequence[str]) -> bool:
 
 
 def name_of(path: Path, root: Path) -> str:
-    """Key of a photo in the manifest: its path below `root` with slashes, as UTF-8 text."""
-    return as_utf8(path.relative_to(root).as_posix())
+    """Name of a photo: its path below `root`, with slashes."""
+    return path.relative_to(root).as_posix()
 
 
 def as_utf8(text: str) -> str:

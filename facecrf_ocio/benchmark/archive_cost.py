@@ -20,7 +20,7 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 
 from facecrf_ocio.errors import FaceCRFError, SettingsError
-from facecrf_ocio.files.threads import ONE_THREAD
+from facecrf_ocio.files.threads import limit_to_one_thread
 
 _COMMAND = "from facecrf_ocio.cli.facecrf import main; main()"
 _LOOP = "from facecrf_ocio.benchmark.archive_cost import calibrate_loop; calibrate_loop()"
@@ -129,13 +129,12 @@ def measure_archive(photos: Sequence[Path], jobs: int, repeat: int) -> ArchiveCo
 
 def calibrate_loop() -> None:
     """Calibrate the photos that stdin names, for the folder that the command line names."""
-    import cv2  # noqa: PLC0415 - only where it is run, in a process of its own
-
+    # Only where it is run, in a process of its own.
     from facecrf_ocio import calibrate, read_photo  # noqa: PLC0415
     from facecrf_ocio.record.outputs import write_outputs  # noqa: PLC0415
     from facecrf_ocio.settings import Settings  # noqa: PLC0415
 
-    cv2.setNumThreads(1)
+    limit_to_one_thread()  # as in a worker of `facecrf batch`
     for path in map(Path, os.fsdecode(sys.stdin.buffer.read()).split("\0")):
         photo = read_photo(path)
         estimate = calibrate(photo)
@@ -160,8 +159,6 @@ def _run(arguments: Sequence[str], photos: Sequence[Path]) -> None:
         [sys.executable, "-c", *arguments],
         input=names,
         capture_output=True,
-        # As in a worker of `facecrf batch`: what is compared must use as many threads.
-        env={**os.environ, **ONE_THREAD},
         check=False,
     )
     if done.returncode:

@@ -11,12 +11,10 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, Protocol, TypeVar
 
-import cv2
-
 from facecrf_ocio.benchmark.cases import code_digest
 from facecrf_ocio.benchmark.workbench import Result
 from facecrf_ocio.errors import FaceCRFError
-from facecrf_ocio.files.threads import single_threaded
+from facecrf_ocio.files.threads import limit_to_one_thread
 
 Plan = TypeVar("Plan")
 Task = TypeVar("Task")
@@ -57,8 +55,7 @@ def measure_tasks(
         initargs=(bench, plan, code_digest()),
     )
     try:
-        with single_threaded():
-            futures = {executor.submit(_measure, task): task for task in tasks}
+        futures = {executor.submit(_measure, task): task for task in tasks}
         for future in as_completed(futures):
             yield futures.pop(future), future.result()
     except BrokenProcessPool as error:
@@ -74,7 +71,7 @@ def _start_worker(bench: Callable[[Any], Bench[Any]], plan: object, code: str) -
     global _bench  # noqa: PLW0603 - set once for the life of the process
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends the run
     threading.Thread(target=_die_with_parent, daemon=True).start()
-    cv2.setNumThreads(1)
+    limit_to_one_thread()
     # Results of an edited package must not be stored under the keys of the former one.
     _bench = bench(plan) if code_digest() == code else None
 

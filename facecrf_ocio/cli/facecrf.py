@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from facecrf_ocio import __version__
-from facecrf_ocio.cli.archive_commands import batch, report, verify
+from facecrf_ocio.cli.batch_command import batch
 from facecrf_ocio.cli.bench_command import bench
 from facecrf_ocio.cli.calibrate_command import calibrate
 from facecrf_ocio.cli.explain_command import explain
@@ -26,6 +26,7 @@ from facecrf_ocio.cli.options import (
     space_option,
 )
 from facecrf_ocio.cli.pair_command import pair
+from facecrf_ocio.cli.report_command import report
 from facecrf_ocio.cli.terminal import (
     DONE,
     EXIT_CODES,
@@ -36,6 +37,7 @@ from facecrf_ocio.cli.terminal import (
     status,
     tell,
 )
+from facecrf_ocio.cli.verify_command import verify
 from facecrf_ocio.errors import OutputError, SettingsError
 
 if TYPE_CHECKING:

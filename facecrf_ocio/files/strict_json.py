@@ -18,7 +18,14 @@ def dump(record: Mapping[str, object]) -> bytes:
 
 def load(content: bytes) -> Any:
     """Read what `dump` wrote, or raise ValueError."""
-    return json.loads(content.decode("utf-8"), parse_constant=_refuse)
+    return json.loads(content.decode("utf-8"), parse_constant=_refuse, parse_float=_finite)
+
+
+def _finite(text: str) -> float:
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"{text[:20]} is more than a number can hold")
+    return number
 
 
 def _refuse(constant: str) -> NoReturn:

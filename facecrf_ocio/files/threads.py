@@ -1,40 +1,41 @@
-"""One thread for each process: the processes are the parallelism.
+"""How many processes there may be, and one thread for each: the processes are the parallelism.
 
 With several threads, sums are added in an order that depends on their number, and results differ in
-the last digits from machine to machine. Libraries read these variables when they are loaded.
+the last digits from machine to machine.
 """
 
 from __future__ import annotations
 
 import os
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-ONE_THREAD = dict.fromkeys(
-    (
-        "OMP_NUM_THREADS",
-        "OPENBLAS_NUM_THREADS",
-        "MKL_NUM_THREADS",
-        "BLIS_NUM_THREADS",
-        "VECLIB_MAXIMUM_THREADS",
-    ),
-    "1",
-)
-_ENVIRONMENT = threading.Lock()
+
+def usable_cores() -> int:
+    """Cores that this process may run on, which can be fewer than there are."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def limit_to_one_thread() -> None:
+    """Let all libraries of this process work in one thread, from now on and for good."""
+    import cv2  # noqa: PLC0415 - heavy, and only for those who work on photos
+    import scipy.linalg  # noqa: F401, PLC0415 - brings a BLAS of its own, which must be there
+    from threadpoolctl import threadpool_limits  # noqa: PLC0415
+
+    threadpool_limits(1)
+    cv2.setNumThreads(1)
 
 
 @contextmanager
-def single_threaded() -> Iterator[None]:
-    """Let processes that are started meanwhile inherit the limit; one caller at a time."""
-    with _ENVIRONMENT:
-        former = {name: os.environ.get(name) for name in ONE_THREAD}
-        os.environ.update(ONE_THREAD)
-        try:
-            yield
-        finally:
-            for name, value in former.items():
-                if value is None:
-                    del os.environ[name]
-                else:
-                    os.environ[name] = value
+def one_opencv_thread() -> Iterator[None]:
+    """Let OpenCV, which threadpoolctl does not know, work in one thread meanwhile."""
+    import cv2  # noqa: PLC0415 - heavy
+
+    former = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(former)

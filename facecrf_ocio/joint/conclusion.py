@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -66,7 +66,11 @@ def shipped_joint() -> JointModel:
 
 
 def conclude(
-    evidence: Sequence[PhotoEvidence], prior: str = "auto", model: JointModel | None = None
+    evidence: Sequence[PhotoEvidence],
+    prior: str = "auto",
+    model: JointModel | None = None,
+    *,
+    names: Sequence[str] | None = None,
 ) -> Estimate:
     """One curve from the evidence of one photo, or of several that one camera took.
 
@@ -78,6 +82,8 @@ def conclude(
         `auto`, `dorf` or `modern`.
     model
         The shipped one by default.
+    names
+        What the reasons call each photo; its place among them by default.
 
     Returns
     -------
@@ -85,10 +91,12 @@ def conclude(
         Without any evidence, the prior's mean with the prior's band, as a fallback.
     """
     model = model or shipped_joint()
+    names = names or [f"photo {number + 1}" for number in range(len(evidence))]
     telling = [e for e in evidence if e.messages]
+    called = [name for name, e in zip(names, evidence, strict=True) if e.messages]
     leanings = [e.leaning for e in telling or evidence] or [0.0]
     weights = model.prior.weights_for(prior, float(np.mean(leanings)))
-    posterior, dissent = _pool(telling, model.prior, weights)
+    posterior, dissent = _pool(dict(zip(called, telling, strict=True)), model.prior, weights)
     coefficients = posterior.mean
     curve = strictly_increasing([model.prior.samples(coefficients)] * len(CHANNELS))
     found = inverse_crf(model.prior.grid, curve)
@@ -127,14 +135,14 @@ def misfit(evidence: PhotoEvidence, estimate: Estimate, model: JointModel | None
     if not evidence.messages or estimate.coefficients is None:
         return 0.0
     weights = model.prior.weights_for("auto", evidence.leaning)
-    own, _ = _pool([evidence], model.prior, weights)
+    own, _ = _pool({"photo": evidence}, model.prior, weights)
     offset = own.mean - estimate.coefficients[0]
     distance = float(offset @ np.linalg.solve(own.covariance, offset))
     return float(np.sqrt(distance / offset.size))
 
 
 def _pool(
-    telling: Sequence[PhotoEvidence], prior: FamilyPrior, weights: Float
+    telling: Mapping[str, PhotoEvidence], prior: FamilyPrior, weights: Float
 ) -> tuple[Posterior, tuple[str, ...]]:
     """What all photos leave of the prior, and which cues or photos the others outvoted.
 
@@ -143,11 +151,11 @@ def _pool(
     """
     of_photos: dict[str, Message] = {}
     outvoted = []
-    for number, one in enumerate(telling):
+    for name, one in telling.items():
         shares = agreeing_shares(one.messages, prior, weights)
         joined = multiply(list(one.messages.values()), [shares[c] for c in one.messages])
         if joined is not None:
-            of_photos[f"photo {number + 1}"] = joined
+            of_photos[name] = joined
         outvoted += [_NAMES.get(cue, cue) for cue, share in shares.items() if share < 0.5]
     if not of_photos:
         return prior.posterior(None, weights), ()

@@ -20,9 +20,10 @@ def describe(lut: PhotoLut, primaries: Primaries | None) -> str:
     record = record_of(lut.path)
     lines = [f"Source: {lut.photo or lut.stem}, through {lut.path.name}."]
     if record is not None:
-        confidence = record.confidence
+        estimate = record.estimate
+        confidence = estimate.confidence
         verdict = "" if confidence is None else f", {confidence.verdict}"
-        lines.append(f"Curve: {record.outcome} by {record.estimator}{verdict}.")
+        lines.append(f"Curve: {estimate.outcome} by {estimate.estimator}{verdict}.")
         error = expected_error(confidence)
         if error:
             lines.append(f"Expected error: {error}.")

@@ -62,11 +62,13 @@ def of_lut(photo: Photo, lut: Path, direction: str) -> dict[str, str]:
     texts = {"lut": lut.name, "lut_sha256": digest, "direction": direction}
     record = record_of(lut)
     if record is not None:
+        estimate = record.estimate
+        confidence = estimate.confidence
         texts |= {
-            "outcome": str(record.outcome),
-            "estimator": record.estimator,
-            "confidence": "" if record.confidence is None else str(record.confidence.verdict),
-            "expected_error": expected_error(record.confidence),
+            "outcome": str(estimate.outcome),
+            "estimator": estimate.estimator,
+            "confidence": "" if confidence is None else str(confidence.verdict),
+            "expected_error": expected_error(confidence),
             "calibrated_from": record.source.name or "",
             "calibrated_from_sha256": record.source.sha256 or "",
         }

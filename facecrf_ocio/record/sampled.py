@@ -16,6 +16,7 @@ from facecrf_ocio.values import CHANNELS, Float
 TOLERANCE = 1e-5
 """By how much numbers read back may differ from a smooth row that was thinned."""
 
+_MOST = 1 << 20  # numbers of a curve: sixteen for each code value of 16 bits
 _DECIMALS = 7
 _STRAIGHT = 1e-13  # what float64 makes of a line's second differences is less, what bends is more
 
@@ -29,8 +30,14 @@ def codes_record(codes: Float) -> Float | dict[str, int]:
 def read_codes(record: Any) -> Float:
     """(K,) encoded values that `codes_record` wrote."""
     if isinstance(record, dict):
-        return np.linspace(0.0, 1.0, int(record["uniform"]))
+        return np.linspace(0.0, 1.0, _count(record["uniform"]))
     return np.array(record, np.float64)
+
+
+def _count(number: Any) -> int:
+    if not 2 <= int(number) <= _MOST:
+        raise ValueError(f"a curve has 2 to {_MOST} numbers")
+    return int(number)
 
 
 def one_for_all(rows: Float) -> Float:
@@ -68,7 +75,7 @@ def _read_row(row: Any) -> Float:
     at, values = np.array(row["at"], np.intp), np.array(row["is"], np.float64)
     if at.size == 0 or at[0] != 0 or (np.diff(at) <= 0).any():
         raise ValueError("its numbers are not in order")
-    return np.interp(np.arange(at[-1] + 1), at, values)
+    return np.interp(np.arange(_count(at[-1] + 1)), at, values)
 
 
 def _few_knots(row: Float) -> npt.NDArray[np.intp] | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any, TypeVar
 
 import numpy as np
@@ -19,7 +19,7 @@ from facecrf_ocio.values import (
     Camera,
     Confidence,
     Estimate,
-    Float,
+    Face,
     InStops,
     InverseCRF,
     Outcome,
@@ -36,6 +36,12 @@ SCHEMA_VERSION = 2
 """1 wrote all numbers of a curve for each channel; it is read, too."""
 
 SUFFIX = ".crf.json"
+_LARGEST = 32 << 20  # [byte] the largest ever written, of version 1, has half a megabyte
+# What numbers, texts and nothing in the place of something else make of us.
+_DAMAGE = (
+    *(ArithmeticError, AttributeError, LookupError, MemoryError),
+    *(RecursionError, TypeError, ValueError),
+)
 _T = TypeVar("_T")
 
 
@@ -52,45 +58,28 @@ class Source:
     grayscale: bool
     camera: Camera
     primaries: Primaries | None
-
-
-@dataclass(frozen=True, slots=True)
-class FaceBox:
-    """Where a face was: x, y, width, height in pixels, and the detector's score."""
-
-    box_xy: tuple[float, float, float, float]
-    score: float
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sidecar:
-    """What a sidecar holds; see Estimate for the fields of the same name.
+    """What a sidecar holds.
 
     Attributes
     ----------
-    curve
-        The inverse CRF to the last digit; None where the photo could not be calibrated.
-    confidence
-        Its numbers have six significant digits; where they are smooth they are within 1e-5.
+    estimate
+        Its curve to the last digit; the numbers of its confidence have six significant digits,
+        where they are smooth they are within 1e-5. Its faces are without landmarks.
     settings
         All settings of the calibration, by name.
     versions
-        Versions of this package, of Python and of the libraries.
+        Versions of this package, of Python and of the libraries, and the processor.
     luts
         Names of the LUT files written with it.
     """
 
     source: Source
-    outcome: Outcome
-    estimator: str
-    reason: str
-    remedy: str
-    curve: InverseCRF | None
-    confidence: Confidence | None
-    coefficients: Float | None
-    energy: Mapping[str, float]
-    faces: tuple[FaceBox, ...]
-    assumptions: tuple[str, ...]
+    estimate: Estimate
     settings: Mapping[str, bool | int | float | str]
     versions: Mapping[str, str]
     luts: tuple[str, ...]
@@ -125,10 +114,7 @@ def sidecar_draft(
     record = {
         "schema": SCHEMA,
         "schema_version": SCHEMA_VERSION,
-        "outcome": estimate.outcome.value,
-        "estimator": estimate.estimator,
-        "reason": estimate.reason,
-        "remedy": estimate.remedy,
+        **_estimate_record(estimate),
         "summary": sentence(estimate),
         "expected": None if expected is None else expected.record(),
         "source": asdict(_source(photo)),
@@ -137,14 +123,8 @@ def sidecar_draft(
             "exposure": "relative: known up to one factor",
             "primaries": "unknown" if photo.primaries is None else photo.primaries.name,
         },
-        "assumptions": estimate.assumptions,
-        "energy": estimate.energy,
-        "coefficients": estimate.coefficients,
-        "faces": [{"box_xy": face.box_xy, "score": face.score} for face in estimate.faces],
-        "confidence": _confidence_record(estimate.confidence),
         "settings": asdict(settings),
         "versions": versions(),
-        "curve": _curve_record(estimate.found),
     }
     return Draft(path, strict_json.dump(record), lambda written: _compare(written, path, estimate))
 
@@ -168,24 +148,33 @@ def read_source(path: Path) -> tuple[Source, tuple[str, ...]]:
     LutError
         As `read_sidecar` does.
     """
-    return _read(path, lambda record: (_read_source(record["source"]), tuple(record["luts"])))
+    return _read(path, lambda record: (_read_source(record["source"]), _read_luts(record)))
 
 
 def _read(path: Path, parse: Callable[[Any], _T]) -> _T:
     path = Path(path)
     try:
-        record = strict_json.load(path.read_bytes())
+        record = strict_json.load(_content(path))
         _require_schema(record, path)
         return parse(record)
     except OSError as error:
         raise LutError(f"{path}: cannot be read: {reason_of(error)}") from error
     except LutError:
         raise
-    except (FaceCRFError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+    except (FaceCRFError, *_DAMAGE) as error:
         raise LutError(
             f"{path}: is not a sidecar of facecrf, or was changed "
-            f"({type(error).__name__}: {' '.join(str(error).split())}); calibrate the photo again"
+            f"({type(error).__name__}: {' '.join(str(error).split())[:200]}); "
+            "calibrate the photo again"
         ) from error
+
+
+def _content(path: Path) -> bytes:
+    with path.open("rb") as file:
+        content = file.read(_LARGEST + 1)
+    if len(content) > _LARGEST:
+        raise ValueError(f"it has more than {_LARGEST >> 20} MB")
+    return content
 
 
 def _source(photo: Photo) -> Source:
@@ -200,6 +189,48 @@ def _source(photo: Photo) -> Source:
         grayscale=photo.grayscale,
         camera=photo.camera,
         primaries=photo.primaries,
+        notes=photo.notes,
+    )
+
+
+def _estimate_record(estimate: Estimate) -> dict[str, object]:
+    """All of an estimate but its faces' landmarks; `_read_estimate` reads it."""
+    faces = [{"box_xy": face.box_xy, "score": face.score} for face in estimate.faces]
+    return {
+        "outcome": estimate.outcome.value,
+        "estimator": estimate.estimator,
+        "reason": estimate.reason,
+        "remedy": estimate.remedy,
+        "assumptions": estimate.assumptions,
+        "energy": estimate.energy,
+        "coefficients": estimate.coefficients,
+        "faces": faces,
+        "confidence": _confidence_record(estimate.confidence),
+        "curve": _curve_record(estimate.found),
+    }
+
+
+def _read_estimate(record: Any) -> Estimate:
+    coefficients = record["coefficients"]
+    curve, confidence = _read_curve(record["curve"]), _read_confidence(record["confidence"])
+    if curve is not None and confidence is not None:
+        shapes = {curve.linear.shape, confidence.sigma.shape, confidence.coverage.shape}
+        if len(shapes) > 1:
+            raise ValueError(f"its curve and its confidence have shapes {sorted(shapes)}")
+    return Estimate(
+        Outcome(record["outcome"]),
+        estimator=str(record["estimator"]),
+        reason=str(record["reason"]),
+        remedy=str(record["remedy"]),
+        found=curve,
+        confidence=confidence,
+        coefficients=None if coefficients is None else frozen(coefficients),
+        energy={name: _number(value) for name, value in record["energy"].items()},
+        faces=tuple(
+            Face(np.array(face["box_xy"], np.float64), np.empty((0, 3)), float(face["score"]))
+            for face in record["faces"]
+        ),
+        assumptions=tuple(record["assumptions"]),
     )
 
 
@@ -227,8 +258,7 @@ def _confidence_record(confidence: Confidence | None) -> dict[str, object] | Non
 
 
 def _compare(written: Path, path: Path, estimate: Estimate) -> None:
-    curve = read_sidecar(written).curve
-    found = estimate.found
+    curve, found = read_sidecar(written).estimate.found, estimate.found
     same = (curve is None) == (found is None)
     if curve is not None and found is not None:
         same = np.array_equal(curve.encoded, found.encoded) and np.array_equal(
@@ -247,22 +277,12 @@ def _require_schema(record: Any, path: Path) -> None:
 
 
 def _sidecar(record: Any) -> Sidecar:
-    curve, coefficients = _read_curve(record["curve"]), record["coefficients"]
     return Sidecar(
         source=_read_source(record["source"]),
-        outcome=Outcome(record["outcome"]),
-        estimator=str(record["estimator"]),
-        reason=str(record["reason"]),
-        remedy=str(record["remedy"]),
-        curve=curve,
-        confidence=_read_confidence(record["confidence"]),
-        coefficients=None if coefficients is None else _array(coefficients),
-        energy={name: _number(value) for name, value in record["energy"].items()},
-        faces=tuple(FaceBox(tuple(face["box_xy"]), face["score"]) for face in record["faces"]),
-        assumptions=tuple(record["assumptions"]),
+        estimate=_read_estimate(record),
         settings=dict(record["settings"]),
         versions=dict(record["versions"]),
-        luts=tuple(record["luts"]),
+        luts=_read_luts(record),
     )
 
 
@@ -275,9 +295,27 @@ def _read_curve(record: dict[str, Any] | None) -> InverseCRF | None:
 def _read_source(record: dict[str, Any]) -> Source:
     primaries = record["primaries"]
     if primaries is not None:
-        pairs = {name: tuple(primaries[name]) for name in ("red", "green", "blue", "white")}
+        pairs = {name: _pair(primaries[name]) for name in ("red", "green", "blue", "white")}
         primaries = Primaries(**{**primaries, **pairs})
-    return Source(**{**record, "camera": Camera(**record["camera"]), "primaries": primaries})
+    notes = tuple(map(str, record.get("notes", ())))  # records told none before
+    camera = Camera(**record["camera"])
+    return Source(**{**record, "camera": camera, "primaries": primaries, "notes": notes})
+
+
+def _pair(numbers: Any) -> tuple[float, float]:
+    x, y = map(float, numbers)
+    if not np.isfinite([x, y]).all():
+        raise ValueError("its primaries are not finite")
+    return x, y
+
+
+def _read_luts(record: Any) -> tuple[str, ...]:
+    """Names of files beside the record; others lead elsewhere."""
+    names = tuple(record["luts"])
+    for name in names:
+        if name != PurePath(name).name or "\0" in name:
+            raise ValueError(f"{name!r:.80} is no name of a file beside it")
+    return names
 
 
 def _read_confidence(record: dict[str, Any] | None) -> Confidence | None:
@@ -301,13 +339,6 @@ def _read_in_stops(record: dict[str, Any]) -> InStops | None:
         return None
     sigma = frozen(read_rows(record["sigma_stops"]))
     return InStops(sigma, float(expected["64-235"]), float(expected["16-64"]))
-
-
-def _array(numbers: list[Any]) -> Float:
-    """Return numbers, of which null stands for one that was not finite, as a read-only array."""
-    array = np.array(numbers, dtype=np.float64)
-    array.flags.writeable = False
-    return array
 
 
 def _number(value: float | None) -> float:

@@ -9,7 +9,7 @@ from math import log2
 import numpy as np
 from scipy.stats import spearmanr
 
-from facecrf_ocio.archive.work.task import Shot
+from facecrf_ocio.archive.task import Shot
 from facecrf_ocio.pair.code_samples import Samples, read_samples
 from facecrf_ocio.pair.debevec import HIGHEST, LOWEST
 

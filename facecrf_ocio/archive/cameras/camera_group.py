@@ -11,8 +11,9 @@ from functools import lru_cache
 import numpy as np
 
 from facecrf_ocio.archive.cameras.bracket import Exposure
-from facecrf_ocio.archive.manifest.database import STARTED, Manifest
-from facecrf_ocio.archive.work.task import Shot
+from facecrf_ocio.archive.manifest.camera_rows import different_photos, exposed_photos
+from facecrf_ocio.archive.manifest.database import Manifest
+from facecrf_ocio.archive.walk import as_utf8
 from facecrf_ocio.joint import PhotoEvidence, conclude
 from facecrf_ocio.pair.code_samples import read_samples
 from facecrf_ocio.pair.debevec import BracketCurve, rmse_after_scale, solve_bracket
@@ -48,12 +49,7 @@ class CameraCurve:
 def conclude_camera(manifest: Manifest, key: str, recipe: str, prior: str) -> CameraCurve:
     """One curve from the evidence of a camera's photos, each content counted once."""
     chosen = []
-    names = manifest.rows(
-        "SELECT MIN(name) FROM photos WHERE camera = ? AND recipe = ? AND state != ? "
-        "GROUP BY sha256 ORDER BY sha256",
-        *(key, recipe, STARTED),
-    )
-    for (name,) in names:
+    for name in different_photos(manifest, key, recipe):
         evidence = evidence_of(manifest, name)
         if evidence.messages:
             chosen.append((name, evidence))
@@ -62,8 +58,9 @@ def conclude_camera(manifest: Manifest, key: str, recipe: str, prior: str) -> Ca
     if not chosen:
         return CameraCurve(None, 0, "")
     chosen.sort(key=lambda item: item[0])
-    estimate = conclude([evidence for _, evidence in chosen], prior)
-    estimate = replace(_naming(estimate, [name for name, _ in chosen]), faces=())
+    names = [as_utf8(name) for name, _ in chosen]
+    estimate = conclude([evidence for _, evidence in chosen], prior, names=names)
+    estimate = replace(estimate, faces=())
     return CameraCurve(estimate, len(chosen), estimate_sha256(estimate))
 
 
@@ -76,15 +73,8 @@ def exposures(
     manifest: Manifest, camera: str, recipe: str, bracket: str | None = None
 ) -> Iterator[Exposure]:
     """A camera's photos, or a bracket's, that tell time and exposure; each content once."""
-    rows = manifest.rows(
-        "SELECT MIN(name), sha256, taken, exposure_s, aperture, iso FROM photos "
-        "WHERE camera = ? AND recipe = ? AND state != ? AND taken > 0 AND exposure_s > 0 "
-        "AND bracket = IFNULL(?, bracket) GROUP BY sha256 ORDER BY taken, MIN(name)",
-        *(camera, recipe, STARTED, bracket),
-    )
-    for name, sha256, taken, exposure_s, aperture, iso in rows:
-        samples = manifest.gathered(name).samples
-        yield Exposure(name, sha256, Shot("", taken, exposure_s, aperture, iso), samples)
+    for name, sha256, shot in exposed_photos(manifest, camera, recipe, bracket):
+        yield Exposure(name, sha256, shot, manifest.gathered(name).samples)
 
 
 def solve(members: tuple[Exposure, ...]) -> BracketCurve:
@@ -178,16 +168,6 @@ def curve_json(curve: InverseCRF | None, sigma: Float) -> str:
 
     encoded = [float(f"{value:.6g}") for value in at]
     return json.dumps({"encoded": encoded, "linear": rows(curve.linear), "sigma": rows(sigma)})
-
-
-def _naming(estimate: Estimate, names: list[str]) -> Estimate:
-    """Name the photos that a conclusion numbers."""
-    told = estimate.confidence
-    if told is None:
-        return estimate
-    named = {f"photo {number}": name for number, name in enumerate(names, start=1)}
-    outvoted = tuple(named.get(one, one) for one in told.outvoted)
-    return replace(estimate, confidence=replace(told, outvoted=outvoted))
 
 
 @lru_cache(maxsize=1)

@@ -7,7 +7,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
-from facecrf_ocio.archive.work.task import Shot
+from facecrf_ocio.archive.task import Shot
 from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.photo.picture import PhotoFile, open_picture
 

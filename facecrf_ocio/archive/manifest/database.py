@@ -1,11 +1,12 @@
 """The manifest of an archive: what is known of every photo, in SQLite, safe against any end.
 
 `DST/facecrf-manifest.sqlite`, in WAL mode, every transaction flushed to the disk. `schema.py`
-describes its tables.
+describes its tables. Names are told as they are; how they are kept is `keys.py`'s.
 """
 
 from __future__ import annotations
 
+import json
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -13,19 +14,24 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from facecrf_ocio.archive.manifest.damage import telling, understanding
+from facecrf_ocio.archive.manifest.keys import folded, key_of, name_of_key
 from facecrf_ocio.archive.manifest.schema import VERSION, bring_up
+from facecrf_ocio.archive.task import Gathered, Output, Result, Shot
 from facecrf_ocio.archive.walk import as_utf8
-from facecrf_ocio.archive.work.task import Gathered, Output, Result
 from facecrf_ocio.errors import OutputError
+from facecrf_ocio.files.plain_text import plain_text
 
 FILE = "facecrf-manifest.sqlite"
 UNSEEN = -1
+CLAIMED = -1
+"""Size of an output that is about to be written: the name is taken, the file may be there."""
 STARTED, GATHERED, WRITING, DONE = "started", "gathered", "writing", "done"
 
 
 _COLUMNS = (
-    "name, size, mtime_ns, sha256, recipe, state, outcome, verdict, estimator, reason, remedy, "
-    "make, model, serial, software, read_s, estimate_s, write_s, curve, fingerprint"
+    "name, size, mtime_ns, ctime_ns, sha256, recipe, state, outcome, verdict, estimator, reason, "
+    "remedy, make, model, serial, software, read_s, estimate_s, write_s, curve, fingerprint"
 )
 
 
@@ -33,12 +39,14 @@ _COLUMNS = (
 class Stamp:
     """By what a photo is known to be unchanged without reading it, and how it was treated.
 
-    The size is `UNSEEN` where nothing can be known of it.
+    The size is `UNSEEN` where nothing can be known of it. `ctime_ns`, when the file or its
+    properties were last changed, is 0 where an older manifest does not tell.
     """
 
     size: int
     mtime_ns: int
     recipe: str
+    ctime_ns: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,18 +60,37 @@ class Known:
     sha256: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class Twin:
+    """A photo that probably has the bytes of another; `key` is its camera's, empty without."""
+
+    name: str
+    state: str
+    result: Result
+    key: str
+
+
 class Manifest:
     """The open manifest; one process at a time writes to it."""
 
     def __init__(self, folder: Path) -> None:
         self.path = folder / FILE
-        with self._telling():
-            self._base = sqlite3.connect(self.path, isolation_level=None, timeout=30)
-            self._base.execute("PRAGMA journal_mode=WAL")
-            self._base.execute("PRAGMA synchronous=FULL")
-            version = bring_up(self._base)
-        if version > VERSION:
-            raise OutputError(f"{self.path}: was written by a newer facecrf; update facecrf-ocio")
+        if self.path.is_symlink():
+            raise OutputError(f"{self.path}: is a link; remove it, or choose another folder")
+        with telling(self.path):
+            self._base = sqlite3.connect(self.path, isolation_level=None, timeout=5)
+        try:
+            with telling(self.path):
+                self._base.execute("PRAGMA journal_mode=WAL")
+                self._base.execute("PRAGMA synchronous=FULL")
+                version = bring_up(self._base)
+            if version > VERSION:
+                raise OutputError(
+                    f"{self.path}: was written by a newer facecrf; update facecrf-ocio"
+                )
+        except BaseException:
+            self._base.close()
+            raise
 
     def close(self) -> None:
         """Close it; what was recorded stays."""
@@ -72,7 +99,7 @@ class Manifest:
     @contextmanager
     def transaction(self) -> Iterator[None]:
         """Record all that happens within, or nothing; on the disk when it ends."""
-        with self._telling():
+        with telling(self.path):
             self._base.execute("BEGIN IMMEDIATE")
             try:
                 yield
@@ -83,61 +110,104 @@ class Manifest:
 
     def about(self, key: str) -> str | None:
         """Return a fact about the archive."""
-        row = self._base.execute("SELECT value FROM about WHERE key = ?", (key,)).fetchone()
+        row = next(self.rows("SELECT value FROM about WHERE key = ?", key), None)
         return None if row is None else str(row[0])
 
     def note(self, key: str, value: str) -> None:
         """Record a fact about the archive."""
-        self._base.execute("INSERT OR REPLACE INTO about VALUES (?, ?)", (key, value))
+        self.change("INSERT OR REPLACE INTO about VALUES (?, ?)", key, value)
+
+    def note_run(self, recipe_sha256: str, recipe: str, processors: Iterable[str]) -> None:
+        """Record how photos of a recipe are treated, and on what processors."""
+        with understanding(self.path):
+            known = {*json.loads(self.about("cpu") or "[]"), *processors}
+        self.note(f"recipe {recipe_sha256}", recipe)
+        self.note("cpu", json.dumps(sorted(known)))
 
     def rows(self, query: str, *values: object) -> Iterator[tuple[Any, ...]]:
         """Stream the rows of a query on the tables that `schema.py` describes."""
-        return iter(self._base.execute(query, values))
+        with telling(self.path):
+            for row in self._base.execute(query, values):  # noqa: UP028 - may be left half way
+                yield row
 
     def change(self, statement: str, *values: object) -> None:
         """Change the tables, within a transaction."""
-        self._base.execute(statement, values)
+        with telling(self.path):
+            self._base.execute(statement, values)
 
     def known(self, name: str) -> Known | None:
         """Return what is known of a photo."""
-        row = self._base.execute(
-            "SELECT size, mtime_ns, recipe, state, outcome, verdict, sha256 FROM photos "
-            "WHERE name = ?",
-            (name,),
-        ).fetchone()
-        return None if row is None else Known(Stamp(*row[:3]), *row[3:])
+        row = next(
+            self.rows(
+                "SELECT size, mtime_ns, recipe, ctime_ns, state, outcome, verdict, sha256 "
+                "FROM photos WHERE name = ?",
+                key_of(name),
+            ),
+            None,
+        )
+        return None if row is None else Known(Stamp(*row[:4]), *row[4:])
 
     def touch(self, name: str, stamp: Stamp) -> None:
-        """Record that a photo is the one it was, though its time is not."""
-        self.change("UPDATE photos SET mtime_ns = ? WHERE name = ?", stamp.mtime_ns, name)
-
-    def start(self, name: str, stamp: Stamp) -> None:
-        """Record that from now on the photo's outputs may be half there."""
-        self._base.execute(
-            "INSERT INTO photos (name, size, mtime_ns, recipe, state) VALUES (?, ?, ?, ?, ?) "
-            "ON CONFLICT (name) DO UPDATE SET state = excluded.state",
-            (name, stamp.size, stamp.mtime_ns, stamp.recipe, STARTED),
+        """Record that a photo is the one it was, though its times are not."""
+        self.change(
+            "UPDATE photos SET mtime_ns = ?, ctime_ns = ? WHERE name = ?",
+            *(stamp.mtime_ns, stamp.ctime_ns, key_of(name)),
         )
 
-    def gather(self, name: str, stamp: Stamp, result: Result, fingerprint: str, key: str) -> None:
+    def touch_output(self, output: Output) -> None:
+        """Record that an output is the one it was, though its time is not."""
+        self.change(
+            "UPDATE outputs SET written_ns = ? WHERE name = ?",
+            *(output.written_ns, key_of(output.name)),
+        )
+
+    def start(self, name: str, stamp: Stamp, claimed: Iterable[str] = ()) -> None:
+        """Record that from now on the photo's outputs may be half there, and which they are."""
+        key = key_of(name)
+        self.change(
+            "INSERT INTO photos (name, size, mtime_ns, ctime_ns, recipe, state) "
+            "VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT (name) DO UPDATE SET state = excluded.state",
+            *(key, stamp.size, stamp.mtime_ns, stamp.ctime_ns, stamp.recipe, STARTED),
+        )
+        self._claim(key, claimed)
+
+    def writing(self, name: str, claimed: Iterable[str]) -> None:
+        """Record that a photo of which the evidence is known may have half of its outputs."""
+        self.change("UPDATE photos SET state = ? WHERE name = ?", WRITING, key_of(name))
+        self._claim(key_of(name), claimed)
+
+    def _claim(self, key: str, names: Iterable[str]) -> None:
+        for name in names:
+            self.change(
+                "INSERT INTO outputs VALUES (?, ?, ?, '', 0, ?) ON CONFLICT (name) DO NOTHING",
+                *(key_of(name), key, CLAIMED, folded(name)),
+            )
+
+    def gather(self, name: str, stamp: Stamp, result: Result, fingerprint: str) -> None:
         """Record what a photo says; its outputs wait for the curve of its camera."""
-        shot, gathered = result.shot, result.gathered
+        shot, gathered, key = result.shot, result.gathered, key_of(name)
         if gathered is None:
             raise ValueError(f"{name} says nothing")
-        self._replace(name, stamp, result, fingerprint, GATHERED)
+        self._replace(key, stamp, result, fingerprint, GATHERED)
+        camera = json.dumps([*result.camera, shot.style], ensure_ascii=False)
         self.change(
             "UPDATE photos SET camera = ?, taken = ?, exposure_s = ?, aperture = ?, iso = ? "
             "WHERE name = ?",
-            *(key, shot.taken, shot.exposure_s, shot.aperture, shot.iso, name),
+            *(camera, shot.taken, shot.exposure_s, shot.aperture, shot.iso, key),
         )
         self.change(
             "INSERT OR REPLACE INTO evidence VALUES (?, ?, ?, ?)",
-            *(name, gathered.evidence, gathered.face, gathered.samples),
+            *(key, gathered.evidence, gathered.face, gathered.samples),
         )
 
     def gathered(self, name: str) -> Gathered:
         """Return what a photo says, which `gather` recorded."""
-        (row,) = self.rows("SELECT evidence, face, samples FROM evidence WHERE photo = ?", name)
+        rows = self.rows(
+            "SELECT evidence, face, samples FROM evidence WHERE photo = ?", key_of(name)
+        )
+        row = next(rows, None)
+        if row is None:
+            raise OutputError(f"{self.path}: has lost what {as_utf8(name)} says; {_AGAIN}")
         return Gathered(*row)
 
     def written(self, name: str, result: Result) -> None:
@@ -145,43 +215,46 @@ class Manifest:
         self.change(
             "UPDATE photos SET state = ?, outcome = ?, verdict = ?, estimator = ?, reason = ?, "
             "remedy = ?, write_s = ?, curve = CASE WHEN ? THEN curve ELSE '' END WHERE name = ?",
-            *(DONE, result.outcome, result.verdict, result.estimator, as_utf8(result.reason)),
-            *(result.remedy, result.timing.write, bool(result.outputs), name),
+            *(DONE, result.outcome, result.verdict, result.estimator, plain_text(result.reason)),
+            *(plain_text(result.remedy), result.timing.write, bool(result.outputs), key_of(name)),
         )
-        self._list_outputs(name, result.outputs)
+        self._list_outputs(key_of(name), result.outputs)
 
     def finish(self, name: str, stamp: Stamp, result: Result, fingerprint: str = "") -> None:
         """Record what came of a photo."""
-        self._replace(name, stamp, result, fingerprint, DONE)
-        self.change("DELETE FROM evidence WHERE photo = ?", name)
-        self._list_outputs(name, result.outputs)
+        key = key_of(name)
+        self._replace(key, stamp, result, fingerprint, DONE)
+        self.change("DELETE FROM evidence WHERE photo = ?", key)
+        self._list_outputs(key, result.outputs)
 
     def _replace(
-        self, name: str, stamp: Stamp, result: Result, fingerprint: str, state: str
+        self, key: str, stamp: Stamp, result: Result, fingerprint: str, state: str
     ) -> None:
-        self._base.execute(
+        self.change(
             f"INSERT OR REPLACE INTO photos ({_COLUMNS}) "  # noqa: S608
-            f"VALUES ({', '.join('?' * 20)})",
-            (
-                *(name, stamp.size, stamp.mtime_ns, result.sha256, stamp.recipe, state),
-                *(result.outcome, result.verdict, result.estimator, as_utf8(result.reason)),
-                *(result.remedy, *result.camera),
-                *(result.timing.read, result.timing.estimate, result.timing.write),
-                *("own" if result.outputs else "", fingerprint if result.sha256 else ""),
-            ),
+            f"VALUES ({', '.join('?' * 21)})",
+            *(key, stamp.size, stamp.mtime_ns, stamp.ctime_ns, result.sha256, stamp.recipe, state),
+            *(result.outcome, result.verdict, result.estimator, plain_text(result.reason)),
+            *(plain_text(result.remedy), *map(plain_text, result.camera)),
+            *(result.timing.read, result.timing.estimate, result.timing.write),
+            *("own" if result.outputs else "", fingerprint if result.sha256 else ""),
         )
 
-    def _list_outputs(self, name: str, outputs: Iterable[Output]) -> None:
-        self.change("DELETE FROM outputs WHERE photo = ?", name)
-        self._base.executemany(
-            "INSERT OR REPLACE INTO outputs VALUES (?, ?, ?, ?)",
-            [(item.name, name, item.size, item.sha256) for item in outputs],
-        )
+    def _list_outputs(self, key: str, outputs: Iterable[Output]) -> None:
+        self.change("DELETE FROM outputs WHERE photo = ?", key)
+        for item in outputs:
+            self.change(
+                "INSERT OR REPLACE INTO outputs VALUES (?, ?, ?, ?, ?, ?)",
+                *(key_of(item.name), key, item.size, item.sha256, item.written_ns),
+                folded(item.name),
+            )
 
     def forget(self, name: str) -> None:
         """Take back `start` of a photo that was never done."""
-        self._base.execute(
-            "DELETE FROM photos WHERE name = ? AND outcome = '' AND state = ?", (name, STARTED)
+        self.change("DELETE FROM outputs WHERE photo = ? AND size = ?", key_of(name), CLAIMED)
+        self.change(
+            "DELETE FROM photos WHERE name = ? AND outcome = '' AND state = ?",
+            *(key_of(name), STARTED),
         )
 
     def forget_unseen(self) -> None:
@@ -189,41 +262,69 @@ class Manifest:
         with self.transaction():
             self.change("DELETE FROM photos WHERE size = ?", UNSEEN)
 
-    def started(self) -> tuple[str, ...]:
-        """Return the photos whose outputs may be half there."""
-        rows = self._base.execute(
-            "SELECT name FROM photos WHERE state IN (?, ?)", (STARTED, WRITING)
-        )
-        return tuple(row[0] for row in rows)
+    def started(self) -> Iterator[str]:
+        """Yield the photos whose outputs may be half there."""
+        rows = self.rows("SELECT name FROM photos WHERE state IN (?, ?)", STARTED, WRITING)
+        return (name_of_key(key) for (key,) in rows)
 
     def outputs(self, photo: str) -> list[Output]:
-        """Return the outputs of a photo."""
-        found = self._base.execute(
-            "SELECT name, size, sha256 FROM outputs WHERE photo = ?", (photo,)
+        """Return the outputs of a photo, those that are only claimed among them."""
+        found = self.rows(
+            "SELECT name, size, sha256, written_ns FROM outputs WHERE photo = ?", key_of(photo)
         )
-        return [Output(*row) for row in found]
+        return [Output(name_of_key(key), *rest) for key, *rest in found]
 
-    def has_output(self, name: str) -> bool:
-        """Whether a file is an output of the archive."""
-        found = self._base.execute("SELECT 1 FROM outputs WHERE name = ?", (name,)).fetchone()
-        return found is not None
+    def owners(self, output: str) -> list[tuple[str, str]]:
+        """Return outputs that differ from this one in case or composition at most, with photos."""
+        found = self.rows("SELECT name, photo FROM outputs WHERE folded = ?", folded(output))
+        return [(name_of_key(name), name_of_key(photo)) for name, photo in found]
+
+    def twins(self, name: str, fingerprint: str, recipe: str) -> list[Twin]:
+        """Return the photos that probably have a photo's bytes and were treated as it is to be."""
+        rows = self.rows(
+            "SELECT name, state, outcome, verdict, estimator, reason, remedy, sha256, make, model, "
+            "serial, software, camera, taken, exposure_s, aperture, iso FROM photos "
+            "WHERE fingerprint = ? AND recipe = ? AND state != ? AND name != ? ORDER BY name",
+            *(fingerprint, recipe, STARTED, key_of(name)),
+        )
+        return [_twin(self.path, row) for row in rows]
+
+    def mark_duplicates(self) -> None:
+        """Record for every photo which one, first in the order of names, has the same bytes."""
+        first = (
+            "IFNULL((SELECT MIN(name) FROM photos AS other "
+            "WHERE other.fingerprint = photos.fingerprint AND other.sha256 = photos.sha256 "
+            "AND other.fingerprint != '' AND other.name < photos.name), '')"
+        )
+        with self.transaction():
+            self.change(
+                f"UPDATE photos SET duplicate_of = {first} "  # noqa: S608
+                "WHERE fingerprint IN (SELECT fingerprint FROM photos WHERE fingerprint != '' "
+                "GROUP BY fingerprint HAVING COUNT(*) > 1) OR duplicate_of != ''"
+            )
 
     def counts(self) -> Mapping[tuple[str, str], int]:
         """Return the number of finished photos of each (outcome, verdict)."""
-        rows = self._base.execute(
-            "SELECT outcome, verdict, COUNT(*) FROM photos WHERE state = ? GROUP BY 1, 2", (DONE,)
+        rows = self.rows(
+            "SELECT outcome, verdict, COUNT(*) FROM photos WHERE state = ? GROUP BY 1, 2", DONE
         )
         return {(outcome, verdict): count for outcome, verdict, count in rows}
 
     def __len__(self) -> int:
-        return int(self._base.execute("SELECT COUNT(*) FROM photos").fetchone()[0])
+        return int(next(self.rows("SELECT COUNT(*) FROM photos"))[0])
 
-    @contextmanager
-    def _telling(self) -> Iterator[None]:
-        try:
-            yield
-        except sqlite3.Error as error:
-            raise OutputError(
-                f"{self.path}: the manifest cannot be used: {error}; free some space, or choose "
-                "another folder"
-            ) from error
+
+_AGAIN = "start the batch again with --overwrite on a new folder"
+
+
+def _twin(path: Path, row: tuple[Any, ...]) -> Twin:
+    key, state, outcome, verdict, estimator, reason, remedy, sha256, *rest = row
+    make, model, serial, software, camera, *exposure = rest
+    with understanding(path):
+        style = json.loads(camera)[-1] if camera else ""
+    result = Result(
+        *(outcome, verdict, estimator, reason, remedy, sha256),
+        camera=(make, model, serial, software),
+        shot=Shot(style, *exposure),
+    )
+    return Twin(name_of_key(key), state, result, camera)

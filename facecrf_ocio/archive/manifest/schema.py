@@ -1,12 +1,13 @@
 """The tables of a manifest, and how older manifests are brought up to them.
 
 `photos`, one row a photo
-    `name` (key: path relative to the source, slashes; bytes that are not UTF-8 escaped), `size`
-    [bytes; -1 for what could not be looked at, which every run tries anew], `mtime_ns`, `sha256`
-    (of the photo, empty if unreadable), `recipe` (hash of settings, version and formats), `state`
-    (`started`: perhaps half written; `gathered`: its evidence is there, its outputs wait for its
-    camera's curve; `writing`: these are perhaps half written; `done`), `outcome`
-    (`values.Outcome`, or `failed`), `verdict` (`values.Verdict` or empty),
+    `name` (key: path relative to the source, as `keys.py` writes it), `size` [bytes; -1 for what
+    could not be looked at or is in the way of the outputs, which every run tries anew], `mtime_ns`,
+    `ctime_ns` (0: not known), `sha256` (of the photo, empty if unreadable), `recipe` (hash of
+    settings, version and formats), `state` (`started`: perhaps half written; `gathered`: its
+    evidence is there, its outputs wait for its camera's curve; `writing`: these are perhaps half
+    written; `done`), `outcome` (`values.Outcome`, or `failed`), `verdict` (`values.Verdict` or
+    empty),
     `estimator`, `reason`, `remedy`, `make`, `model`, `serial`, `software` (as the file says),
     `read_s`, `estimate_s`, `write_s`; `fingerprint` (of size and ends of the file, by which
     duplicates are sought), `duplicate_of` (first photo, in the order of names, with the same bytes;
@@ -33,20 +34,27 @@
     and of double the smoothness), `residual` (RMS of log exposure), `covered` (share of code values
     that points lie near), `rmse` (against the camera's curve after one free scale; -1 without
     one), `curve` (as above), `curve_sha256`.
-`outputs`, one row a written file
-    `name` (key: path relative to DST), `photo` (-> photos.name), `size` [bytes], `sha256`.
+`outputs`, one row a written file, or one that is about to be
+    `name` (key: path relative to DST, as `keys.py` writes it), `photo` (-> photos.name), `size`
+    [bytes; -1: about to be written], `sha256`, `written_ns` (its time when it was written, by which
+    it is known to be as it was; 0: not known), `folded` (its name as a file system without regard
+    to case and composition compares it).
 `about`
-    `key`, `value`: `schema` and `source` (folder of the photos).
+    `key`, `value`: `schema`; `source` (folder of the photos); `recipe HASH` (JSON: how photos of
+    that recipe were treated, for whoever makes outputs again); `cpu` (JSON: the processors that
+    worked on it, see `software.py`).
 
-All columns but the three durations are the same for an unbroken run and for one that was resumed
-(`mtime_ns` is the source's).
+All columns but the three durations, `written_ns` and the source's own `mtime_ns` and `ctime_ns` are
+the same for an unbroken run and for one that was resumed.
 """
 
 from __future__ import annotations
 
 import sqlite3
 
-VERSION = 2
+from facecrf_ocio.archive.manifest.keys import folded, key_of
+
+VERSION = 3
 
 _ABOUT = "CREATE TABLE IF NOT EXISTS about (key TEXT PRIMARY KEY, value TEXT NOT NULL)"
 _FIRST = (
@@ -114,7 +122,23 @@ _SECOND = (
     ) WITHOUT ROWID
     """,
 )
-_STEPS = (_FIRST, _SECOND)
+_THIRD = (
+    "ALTER TABLE photos ADD COLUMN ctime_ns INTEGER NOT NULL DEFAULT 0",
+    "ALTER TABLE outputs ADD COLUMN written_ns INTEGER NOT NULL DEFAULT 0",
+    "ALTER TABLE outputs ADD COLUMN folded TEXT NOT NULL DEFAULT ''",
+    # Outputs' names stood there as they are; their photos' names could be read in two ways.
+    """
+    UPDATE photos SET name = key_of(name)
+    WHERE name LIKE '%\\x%' AND (EXISTS (SELECT 1 FROM outputs WHERE outputs.photo = photos.name)
+    OR EXISTS (SELECT 1 FROM evidence WHERE evidence.photo = photos.name))
+    """,
+    "UPDATE evidence SET photo = key_of(photo) WHERE photo LIKE '%\\x%'",
+    """
+    UPDATE outputs SET folded = folded(name), name = key_of(name), photo = key_of(photo)
+    """,
+    "CREATE INDEX outputs_alike ON outputs (folded)",
+)
+_STEPS = (_FIRST, _SECOND, _THIRD)
 
 
 def bring_up(base: sqlite3.Connection) -> int:
@@ -125,12 +149,20 @@ def bring_up(base: sqlite3.Connection) -> int:
     int
         The version of the manifest afterward; above `VERSION` if a newer facecrf wrote it, which
         is left as it is.
+
+    Raises
+    ------
+    sqlite3.DatabaseError
+        If it is the database of another program, or cannot be used.
     """
+    for function in (key_of, folded):
+        base.create_function(function.__name__, 1, function, deterministic=True)
     base.execute("BEGIN IMMEDIATE")
     try:
+        _require_ours(base)
         base.execute(_ABOUT)
         row = base.execute("SELECT value FROM about WHERE key = 'schema'").fetchone()
-        version = 0 if row is None else int(row[0])
+        version = 0 if row is None else version_in(row[0])
         for step in _STEPS[version:]:
             for statement in step:
                 base.execute(statement)
@@ -142,3 +174,16 @@ def bring_up(base: sqlite3.Connection) -> int:
         raise
     base.execute("COMMIT")
     return version
+
+
+def _require_ours(base: sqlite3.Connection) -> None:
+    tables = {name for (name,) in base.execute("SELECT name FROM sqlite_master")}
+    if tables and not {"about", "photos", "outputs"} <= tables:
+        raise sqlite3.DatabaseError("it is the database of another program")
+
+
+def version_in(value: object) -> int:
+    """The version that a manifest tells of itself, or sqlite3.DatabaseError."""
+    if not str(value).isascii() or not str(value).isdigit():
+        raise sqlite3.DatabaseError(f"its version is {str(value)[:20]!r}")
+    return int(str(value)[:9])

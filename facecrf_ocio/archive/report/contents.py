@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import sqlite3
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from facecrf_ocio.archive.manifest.database import DONE
-from facecrf_ocio.archive.manifest.read_only import reading
-from facecrf_ocio.archive.work.task import FAILED
+from facecrf_ocio.archive.manifest.read_only import Fields, reading
+from facecrf_ocio.archive.task import FAILED
 
 KINDS = ("reliable", "weak", "prior only", "no curve", "failed", "unfinished")
 
@@ -116,55 +114,22 @@ def gather(folder: Path) -> Archive:
     OutputError
         If there is no manifest, or it cannot be read.
     """
-    with reading(folder) as base:
-        base.row_factory = sqlite3.Row
-        base.execute("BEGIN")
-        source = _source(base)
-        rows = tuple(_row(_Fields(record)) for record in _all(base, "photos", "name"))
-        groups = tuple(_group(_Fields(record)) for record in _all(base, "cameras", "key"))
-        brackets = tuple(_bracket(_Fields(record)) for record in _all(base, "brackets", "name"))
+    with reading(folder) as manifest:
+        told = manifest.about("source")
+        rows = tuple(map(_row, manifest.photos()))
+        groups = tuple(map(_group, manifest.cameras()))
+        brackets = tuple(map(_bracket, manifest.brackets()))
+    source = None if told is None else Path(told)
     return Archive(folder, source, rows, groups, brackets, _misfits(rows, groups))
 
 
-def _all(base: sqlite3.Connection, table: str, key: str) -> Iterator[sqlite3.Row]:
-    """Rows of a table that a manifest of another version may lack, in the order of their keys."""
-    there = base.execute("SELECT 1 FROM sqlite_master WHERE name = ?", (table,)).fetchone()
-    if there is not None:
-        # Both names are ours.
-        yield from base.execute(f"SELECT * FROM {table} ORDER BY {key}")  # noqa: S608
+def _camera(fields: Fields) -> tuple[str, str, str, str]:
+    return fields.text("make"), fields.text("model"), fields.text("serial"), fields.text("software")
 
 
-def _source(base: sqlite3.Connection) -> Path | None:
-    row = base.execute("SELECT value FROM about WHERE key = 'source'").fetchone()
-    return None if row is None else Path(row[0])
-
-
-@dataclass(frozen=True, slots=True)
-class _Fields:
-    """Columns by name, empty where the manifest has none."""
-
-    record: Mapping[str, Any] | sqlite3.Row
-
-    def text(self, name: str) -> str:
-        return str(self._get(name, ""))
-
-    def number(self, name: str) -> float:
-        return float(self._get(name, 0.0))
-
-    def whole(self, name: str) -> int:
-        return int(self._get(name, 0))
-
-    def camera(self) -> tuple[str, str, str, str]:
-        return self.text("make"), self.text("model"), self.text("serial"), self.text("software")
-
-    def _get(self, name: str, default: Any) -> Any:
-        value = self.record[name] if name in self.record.keys() else None  # noqa: SIM118
-        return default if value is None else value
-
-
-def _row(fields: _Fields) -> Row:
+def _row(fields: Fields) -> Row:
     return Row(
-        name=fields.text("name"),
+        name=fields.name("name"),
         size=fields.whole("size"),
         mtime_ns=fields.whole("mtime_ns"),
         kind=_kind(fields.text("state"), fields.text("outcome"), fields.text("verdict")),
@@ -172,13 +137,13 @@ def _row(fields: _Fields) -> Row:
         estimator=fields.text("estimator"),
         reason=fields.text("reason"),
         remedy=fields.text("remedy"),
-        camera=fields.camera(),
+        camera=_camera(fields),
         seconds=sum(fields.number(name) for name in ("read_s", "estimate_s", "write_s")),
-        duplicate_of=fields.text("duplicate_of"),
+        duplicate_of=fields.name("duplicate_of"),
         curve=fields.text("curve"),
         group=fields.text("camera"),
         misfit=fields.number("misfit"),
-        bracket=fields.text("bracket"),
+        bracket=fields.name("bracket"),
     )
 
 
@@ -203,10 +168,10 @@ def _kind(state: str, outcome: str, verdict: str) -> str:
     return verdict if verdict in KINDS else "no curve"
 
 
-def _group(fields: _Fields) -> Group:
+def _group(fields: Fields) -> Group:
     return Group(
         key=fields.text("key"),
-        camera=fields.camera(),
+        camera=_camera(fields),
         style=fields.text("style"),
         members=fields.whole("members"),
         telling=fields.whole("telling"),
@@ -218,9 +183,9 @@ def _group(fields: _Fields) -> Group:
     )
 
 
-def _bracket(fields: _Fields) -> Bracket:
+def _bracket(fields: Fields) -> Bracket:
     return Bracket(
-        name=fields.text("name"),
+        name=fields.name("name"),
         photos=fields.whole("photos"),
         stops=fields.number("stops"),
         used=bool(fields.whole("used")),

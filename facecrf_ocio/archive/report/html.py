@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
-import re
 from collections.abc import Iterable, Mapping
 from html import escape
 from importlib.resources import files
@@ -13,7 +12,7 @@ from itertools import islice
 from typing import TypeVar
 
 from facecrf_ocio import __version__
-from facecrf_ocio.archive.report.contents import KINDS, Archive, Bracket, Group, Row
+from facecrf_ocio.archive.report.contents import KINDS, Archive, Bracket, Group
 from facecrf_ocio.archive.report.pictures import SIDE, Pictures
 from facecrf_ocio.archive.report.small_curves import (
     STOPS_RANGE,
@@ -106,7 +105,7 @@ def _columns(
         "kind": [KINDS.index(row.kind) for row in rows],
         "outcome": words.column(row.outcome for row in rows),
         "estimator": words.column(row.estimator for row in rows),
-        "reason": words.column(_without_path(row) for row in rows),
+        "reason": words.column(row.reason for row in rows),
         "remedy": words.column(row.remedy for row in rows),
         "make": words.column(row.camera[0] for row in rows),
         "model": words.column(row.camera[1] for row in rows),
@@ -126,12 +125,6 @@ def _columns(
         "stops": [-1 if told is None else round(told[0], 3) for told in expected],
         "shadows": [-1 if told is None else round(told[1], 3) for told in expected],
     }
-
-
-def _without_path(row: Row) -> str:
-    """What went wrong, without the file's name in front, so that like reasons are alike."""
-    path = rf"^.{{0,4096}}?{re.escape(row.name)}(\.\w+)*: "
-    return re.sub(path, "", row.reason, count=1, flags=re.DOTALL)
 
 
 def _group(group: Group, curves: CurveList) -> dict[str, object]:

@@ -74,8 +74,8 @@ def pictures_of(archive: Archive, row: Row) -> Pictures:
         return Pictures(missing=NOT_OPENED)
     sidecar, problem = _sidecar(archive.folder, row)
     curve, expected = _curve_of(sidecar)
-    faces = 0 if sidecar is None else len(sidecar.faces)
-    inverse = None if sidecar is None else sidecar.curve
+    faces = 0 if sidecar is None else len(sidecar.estimate.faces)
+    inverse = None if sidecar is None else sidecar.estimate.found
     linear = row.outcome == str(Outcome.ALREADY_LINEAR)
     try:
         _require_unchanged(archive.source, row)
@@ -92,11 +92,12 @@ def pictures_of(archive: Archive, row: Row) -> Pictures:
 
 def _curve_of(sidecar: Sidecar | None) -> tuple[DrawnCurve | None, tuple[float, float] | None]:
     """The curve with its band, and its expected errors in stops."""
-    if sidecar is None or sidecar.curve is None or sidecar.confidence is None:
+    estimate = None if sidecar is None else sidecar.estimate
+    if estimate is None or estimate.found is None or estimate.confidence is None:
         return None, None
-    told = sidecar.confidence.in_stops
+    told = estimate.confidence.in_stops
     expected = None if told is None else (told.mid, told.shadows)
-    return drawn(sidecar.curve, sidecar.confidence.sigma, told), expected
+    return drawn(estimate.found, estimate.confidence.sigma, told), expected
 
 
 class _MissingError(Exception):

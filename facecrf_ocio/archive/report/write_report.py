@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
-import cv2
-
 from facecrf_ocio.archive.check_outputs import REPORT
 from facecrf_ocio.archive.report.contents import Archive, Row, gather
 from facecrf_ocio.archive.report.html import render
 from facecrf_ocio.archive.report.pictures import Pictures, pictures_of
 from facecrf_ocio.errors import OutputError
 from facecrf_ocio.files.atomic import Draft, require_free, write_files
+from facecrf_ocio.files.threads import one_opencv_thread
 
 PICTURED = 10_000
 """Photos that get pictures unless more are asked for: a page of some 50 MB, as browsers like."""
@@ -82,7 +81,6 @@ def _pictures(archive: Archive, limit: int, jobs: int) -> dict[str, Pictures]:
         worth = {kind: place for place, kind in enumerate(_WORTH)}
         misfits = archive.misfits
         chosen = sorted(chosen, key=lambda row: (row.name not in misfits, worth[row.kind]))[:limit]
-    cv2.setNumThreads(1)
-    with ThreadPoolExecutor(jobs) as readers:
+    with one_opencv_thread(), ThreadPoolExecutor(jobs) as readers:
         found = readers.map(lambda row: pictures_of(archive, row), chosen)
         return {row.name: pictures for row, pictures in zip(chosen, found, strict=True)}

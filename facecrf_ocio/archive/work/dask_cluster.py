@@ -20,12 +20,14 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from facecrf_ocio import __version__
+from facecrf_ocio.archive.task import FAILED, Result, Task
 from facecrf_ocio.archive.work.parcel import Delivery, Parcel, unpack
 from facecrf_ocio.archive.work.processes import Limits, Pool
-from facecrf_ocio.archive.work.task import FAILED, Result, Task
+from facecrf_ocio.archive.work.worker_answer import checked
 from facecrf_ocio.errors import ClusterError, OutputError, SettingsError, reason_of
 from facecrf_ocio.files.atomic import Draft, write_files
 from facecrf_ocio.files.folders import make_folder
+from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.files.versions import difference, versions
 
 if TYPE_CHECKING:
@@ -52,10 +54,16 @@ class Cluster:
     ship
         Send photos to the workers and write here what comes back; or let the workers read and
         write the client's paths. None: the latter, until a worker does not see them.
+    ca, certificate, key
+        Files in PEM for a scheduler that speaks TLS alone (`tls://host:8786`): the authority's
+        certificate, and the client's own with its key. All are given, or none.
     """
 
     address: str
     ship: bool | None = None
+    ca: str = ""
+    certificate: str = ""
+    key: str = ""
 
 
 class ClusterPool:
@@ -79,6 +87,7 @@ class ClusterPool:
         self.cluster, self.limits = cluster, limits
         self.shipping = bool(cluster.ship)
         self._versions = versions()
+        self._processors: frozenset[str] = frozenset()
         self._mark = folder / f"{_MARK}{os.urandom(8).hex()}"
         self._flying: dict[str, tuple[Future, Task]] = {}
         self._answers: deque[tuple[Task, Result]] = deque()
@@ -116,6 +125,10 @@ class ClusterPool:
         """Photos handed out and not yet answered."""
         return len(self._flying) + len(self._answers)
 
+    def processors(self) -> frozenset[str]:
+        """Kinds of processors that work when the run begins."""
+        return self._processors
+
     def submit(self, task: Task) -> None:
         """Hand out a photo."""
         try:
@@ -132,7 +145,7 @@ class ClusterPool:
             task,
             self.limits,
             source=task.source.absolute(),
-            folder=task.folder.absolute(),
+            folder=task.place.folder.absolute(),
             versions=self._versions,
             digest=task.recipe.sha256(__version__),
             mark=self._mark.absolute(),
@@ -171,7 +184,7 @@ class ClusterPool:
         """Return what came of a photo, None if it was handed out anew."""
         from distributed import KilledWorker  # noqa: PLC0415 - an extra
 
-        delivery: Delivery
+        delivery: Any  # whatever the worker's machine sends
         try:
             delivery = future.result()
         except KilledWorker as error:
@@ -185,13 +198,25 @@ class ClusterPool:
             ) from error
         finally:
             future.release()
+        if not isinstance(delivery, Delivery) or not isinstance(delivery.unlike, str):
+            return task, _odd_answer("it is no delivery")
         if delivery.unlike:
-            raise ClusterError(self._unlike("a worker", delivery.unlike))
+            raise ClusterError(self._unlike("a worker", plain_text(delivery.unlike)))
         if delivery.result is None:
-            self._ship_from_now_on(delivery.unseen)
+            self._ship_from_now_on(plain_text(delivery.unseen))
             self.submit(task)
             return task, None
-        return task, _written(task, delivery) if delivery.contents else delivery.result
+        return task, self._accepted(task, delivery)
+
+    def _accepted(self, task: Task, delivery: Delivery) -> Result:
+        """What a worker says came of a photo, if it can be; its files, if they were sent."""
+        try:
+            result = checked(task, delivery.result)
+            if self.shipping and not _is_whole(result, delivery.contents):
+                raise ValueError("its files came damaged")
+        except (ValueError, TypeError) as error:
+            return _odd_answer(str(error))
+        return _written(task, result, delivery.contents) if delivery.contents else result
 
     def _ship_from_now_on(self, unseen: str) -> None:
         if self.cluster.ship is False:
@@ -225,11 +250,18 @@ class ClusterPool:
         )
         address = self.cluster.address
         try:
-            client = Client(address, timeout=_REACH, set_as_default=False, name="facecrf")
+            client = Client(
+                address,
+                timeout=_REACH,
+                set_as_default=False,
+                name="facecrf",
+                security=self._security(),
+            )
         except (OSError, ValueError, TypeError) as error:
+            speaks = "" if self.cluster.ca else ", and whether it speaks TLS alone (--tls-ca)"
             raise ClusterError(
                 f"{address}: no Dask scheduler answers there; start one with `dask scheduler`, or "
-                "check the address"
+                f"check the address{speaks}"
             ) from error
         self._client = client
         self._open.callback(client.close, timeout=_REACH)
@@ -240,14 +272,35 @@ class ClusterPool:
                 f"{address}: has no workers; start some with `dask worker {address}`"
             ) from None
 
+    def _security(self) -> Any:
+        """What the client shows and asks for; None without TLS."""
+        from distributed import Security  # noqa: PLC0415 - an extra
+
+        cluster = self.cluster
+        if not cluster.ca:
+            return None
+        for path in (cluster.ca, cluster.certificate, cluster.key):
+            if not os.access(path, os.R_OK):
+                raise SettingsError(f"{path}: cannot be read; name a file in PEM")
+        return Security(
+            tls_ca_file=cluster.ca,
+            tls_client_cert=cluster.certificate,
+            tls_client_key=cluster.key,
+            require_encryption=True,
+        )
+
     def _require_equal_workers(self) -> None:
+        kinds = set()
         for worker, there in self._client.run(_asker(), on_error="return").items():
+            if isinstance(there, dict):
+                kinds.add(plain_text(there.pop("processor", "")))
             if not isinstance(there, dict):
                 problem = f"facecrf-ocio cannot be imported there ({there})"
             else:
                 problem = difference(self._versions, there)
             if problem:
                 raise ClusterError(self._unlike(worker, problem))
+        self._processors = frozenset(kinds)
 
     def _unlike(self, worker: str, problem: str) -> str:
         return f"{worker}: {problem}; install the same versions on all machines, outputs differ"
@@ -275,27 +328,44 @@ def _asker() -> Any:
 
     def told() -> dict[str, str] | str:
         try:
+            from facecrf_ocio.files.processor import processor  # noqa: PLC0415
             from facecrf_ocio.files.versions import versions  # noqa: PLC0415
         except ImportError as error:
             return str(error)
-        return versions()
+        return {**versions(), "processor": processor()}
 
     return told
 
 
-def _written(task: Task, delivery: Delivery) -> Result:
+def _odd_answer(problem: str) -> Result:
+    remedy = "look at the cluster's workers, and start again"
+    reason = f"a worker gave an answer that cannot be: {problem}"
+    return Result(FAILED, reason=plain_text(reason), remedy=remedy, lasting=False)
+
+
+def _is_whole(result: Result, contents: object) -> bool:
+    """Whether the bytes of all outputs are there, and none else."""
+    if not isinstance(contents, tuple) or len(contents) != len(result.outputs):
+        return False
+    return all(
+        isinstance(content, bytes)
+        and len(content) == output.size
+        and hashlib.sha256(content).hexdigest() == output.sha256
+        for output, content in zip(result.outputs, contents, strict=True)
+    )
+
+
+def _written(task: Task, result: Result, contents: tuple[bytes, ...]) -> Result:
     """Write what a worker sent."""
     from facecrf_ocio.archive.work.one_photo import failure_of  # noqa: PLC0415 - heavy
 
-    result = delivery.result
-    assert result is not None  # noqa: S101 - asked before
-    drafts = []
-    for output, content in zip(result.outputs, delivery.contents, strict=True):
-        if hashlib.sha256(content).hexdigest() != output.sha256:
-            return Result(FAILED, reason=f"{output.name} came damaged from the worker")
-        drafts.append(Draft(task.folder / output.name, content, lambda _: None))
     try:
-        make_folder(task.target)
+        paths = [task.place.inside(output.name) for output in result.outputs]
+        make_folder(paths[0].parent)
+        drafts = [
+            Draft(path, content, lambda _: None)
+            for path, content in zip(paths, contents, strict=True)
+        ]
         write_files(drafts, overwrite=task.overwrite)
     except (OutputError, OSError) as error:
         return failure_of(error)

@@ -8,18 +8,18 @@ from __future__ import annotations
 
 import errno
 import hashlib
+import time
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
-import cv2
-
 from facecrf_ocio.archive.cameras.shot import read_shot
-from facecrf_ocio.archive.manifest.told import face_json, told_before
-from facecrf_ocio.archive.work.task import FAILED, GATHER, Gathered, Output, Result, Task, Timing
+from facecrf_ocio.archive.cameras.told import face_json, told_before
+from facecrf_ocio.archive.task import FAILED, GATHER, Gathered, Output, Result, Task, Timing
 from facecrf_ocio.calibrate import SAME_CURVE, assumptions_of, calibrate
-from facecrf_ocio.errors import FaceCRFError, OutputError, PhotoError
+from facecrf_ocio.errors import FaceCRFError, OutputError, PhotoError, reason_of
 from facecrf_ocio.files.folders import make_folder
+from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.image.linearize import write_linear
 from facecrf_ocio.joint import gather
 from facecrf_ocio.pair.code_samples import take_samples
@@ -30,27 +30,38 @@ from facecrf_ocio.values import Estimate, Photo
 
 # What is wrong with the disk, and not with the photo: every other photo would fail alike.
 _DISK = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
-
-
-def warm_up() -> None:
-    """Set up a process that will work on many photos."""
-    cv2.setNumThreads(1)
+# What a disk or a network does once and then not again.
+_PASSING = (
+    *(errno.EIO, errno.ESTALE, errno.ETIMEDOUT, errno.EAGAIN, errno.EINTR, errno.ENOTCONN),
+    *(errno.ENETDOWN, errno.ENETUNREACH, errno.EHOSTDOWN, errno.EHOSTUNREACH),
+    *(errno.ECONNRESET, errno.ECONNABORTED),
+)
+_PAUSE = 1.0  # [s] before what may have passed is tried once more
+_AGAIN = "check the disk or the network, and start again"
 
 
 def process(task: Task) -> Result:
     """Read, calibrate and write one photo.
 
-    Never raises for what is wrong with the photo: that is a `Result` whose outcome is `failed`.
-    The same photo and recipe give the same bytes, whenever and wherever this runs.
+    Never raises: what is wrong with the photo, or with a library that reads it, is a `Result` whose
+    outcome is `failed`. What may have passed after a second is tried once more. The same photo and
+    recipe give the same bytes, whenever and wherever this runs on a processor that can do the same.
     """
-    start = perf_counter()
+    result = _attempt(task)
+    if result.lasting:
+        return result
+    time.sleep(_PAUSE)
+    return _attempt(task)
+
+
+def _attempt(task: Task) -> Result:
+    sha256 = ""
     try:
+        start = perf_counter()
         photo = read_photo(task.source)
-    except (FaceCRFError, MemoryError, OSError) as error:
-        return failure_of(error)
-    read = perf_counter()
-    try:
-        if task.sha256 not in ("", photo.sha256):
+        read = perf_counter()
+        sha256 = photo.sha256 or ""
+        if task.sha256 not in ("", sha256):
             raise PhotoError(photo.path, "was changed while the run went on", "start again")
         if task.step == GATHER and _is_poolable(photo):
             result = _gather(task, photo)
@@ -58,12 +69,9 @@ def process(task: Task) -> Result:
         result, estimate = _estimate(task, photo)
         done = perf_counter() if task.estimate is None else read
         names = () if estimate.found is None else _write(task, photo, estimate)
-        outputs = tuple(_described(task.folder, path) for path in names)
-    except (FaceCRFError, MemoryError, OSError) as error:
-        return replace(failure_of(error), sha256=photo.sha256 or "")
-    except Exception as error:  # a fault of ours costs this photo, and not the run
-        reason = f"unexpected {type(error).__name__}: {error}"
-        return Result(FAILED, reason=reason, sha256=photo.sha256 or "")
+        outputs = tuple(_described(task.place.folder, path) for path in names)
+    except Exception as error:  # whatever a library or we raise costs this photo, not the run
+        return replace(failure_of(error), sha256=sha256)
     timing = Timing(read - start, done - read, perf_counter() - done)
     return replace(result, outputs=outputs, timing=timing)
 
@@ -122,18 +130,19 @@ def _camera(photo: Photo) -> tuple[str, str, str, str]:
 
 def _write(task: Task, photo: Photo, estimate: Estimate) -> tuple[Path, ...]:
     recipe, name = task.recipe, Path(task.name).name
-    make_folder(task.target)
+    folder = task.place.inside(task.name).parent
+    make_folder(folder)
     written = write_outputs(
         photo,
         estimate,
         recipe.settings,
-        task.target,
+        folder,
         recipe.formats,
         overwrite=task.overwrite,
         stem=name,
     )
     if recipe.exr:
-        exr = task.target / f"{name}.exr"
+        exr = folder / f"{name}.exr"
         written += (write_linear(exr, photo, estimate, overwrite=task.overwrite),)
     return written
 
@@ -141,13 +150,26 @@ def _write(task: Task, photo: Photo, estimate: Estimate) -> tuple[Path, ...]:
 def _described(folder: Path, path: Path) -> Output:
     content = path.read_bytes()
     name = path.relative_to(folder).as_posix()
-    return Output(name, len(content), hashlib.sha256(content).hexdigest())
+    digest = hashlib.sha256(content).hexdigest()
+    return Output(name, len(content), digest, path.stat().st_mtime_ns)
 
 
 def failure_of(error: Exception) -> Result:
     """What an error is to the run: this photo's failure, or the end of it all."""
+    cause = error if isinstance(error, OSError) else error.__cause__
+    number = cause.errno if isinstance(cause, OSError) else None
+    lasting = number not in _PASSING
     if isinstance(error, MemoryError):
         return Result(FAILED, reason="not enough memory", remedy="use a smaller version of it")
-    cause = error.__cause__ if isinstance(error, OutputError) else None
-    number = cause.errno if isinstance(cause, OSError) else None
-    return Result(FAILED, reason=str(error), stop=str(error) if number in _DISK else "")
+    if isinstance(error, PhotoError):
+        remedy = error.remedy if lasting else _AGAIN
+        return Result(FAILED, reason=plain_text(error.problem), remedy=remedy, lasting=lasting)
+    if isinstance(error, OSError):
+        reason, remedy = f"cannot be used: {reason_of(error)}", "" if lasting else _AGAIN
+        return Result(FAILED, reason=plain_text(reason), remedy=remedy, lasting=lasting)
+    if not isinstance(error, FaceCRFError):
+        reason = f"unexpected {type(error).__name__}: {plain_text(error)}"
+        return Result(FAILED, reason=reason, remedy="please report this")
+    reason = plain_text(str(error))
+    stop = isinstance(error, OutputError) and number in _DISK
+    return Result(FAILED, reason=reason, stop=reason if stop else "", lasting=lasting)

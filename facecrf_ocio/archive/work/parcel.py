@@ -15,8 +15,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from facecrf_ocio import __version__
+from facecrf_ocio.archive.place import Place
+from facecrf_ocio.archive.task import Result, Task
 from facecrf_ocio.archive.work.processes import Limits, Pool
-from facecrf_ocio.archive.work.task import Result, Task
 from facecrf_ocio.files.versions import difference, versions
 
 _IDLE = 60.0  # [s] after which a process that nobody asks is let go
@@ -88,7 +89,8 @@ def unpack(parcel: Parcel) -> Delivery:
     unseen = _unseen(parcel)
     if unseen is not None:
         return Delivery(unseen=str(unseen))
-    return Delivery(_work(parcel, parcel.source, parcel.folder))
+    place = Place(parcel.folder, parcel.folder.resolve())
+    return Delivery(_work(parcel, parcel.source, place))
 
 
 def _unseen(parcel: Parcel) -> Path | None:
@@ -107,18 +109,19 @@ def _at_home(parcel: Parcel, photo: bytes) -> Delivery:
         source, folder = Path(home, "photo", parcel.source.name), Path(home, "outputs")
         source.parent.mkdir()
         source.write_bytes(photo)
-        result = _work(parcel, source, folder)
+        folder.mkdir()
+        result = _work(parcel, source, Place.of(folder))
         return Delivery(result, tuple((folder / one.name).read_bytes() for one in result.outputs))
 
 
-def _work(parcel: Parcel, source: Path, folder: Path) -> Result:
+def _work(parcel: Parcel, source: Path, place: Place) -> Result:
     """Work with these paths, and speak of the client's."""
     task = parcel.task
-    result = _answer(replace(task, source=source, folder=folder), parcel.limits)
+    result = _answer(replace(task, source=source, place=place), parcel.limits)
     told = {
         name: getattr(result, name)
         .replace(str(source), str(task.source))
-        .replace(str(folder), str(task.folder))
+        .replace(str(place.folder), str(task.place.folder))
         for name in ("reason", "remedy", "stop")
     }
     return replace(result, **told)

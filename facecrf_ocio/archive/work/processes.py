@@ -22,8 +22,9 @@ from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from time import monotonic
 
-from facecrf_ocio.archive.work.task import FAILED, Result, Task
-from facecrf_ocio.files.threads import single_threaded
+from facecrf_ocio.archive.task import FAILED, Result, Task
+from facecrf_ocio.files.processor import processor
+from facecrf_ocio.files.threads import limit_to_one_thread
 
 _POLL = 0.25
 
@@ -93,6 +94,10 @@ class Pool:
     def busy(self) -> int:
         """Photos handed out and not yet answered."""
         return sum(worker.task is not None for worker in self._workers) + len(self._waiting)
+
+    def processors(self) -> frozenset[str]:
+        """Kinds of processors that work."""
+        return frozenset((processor(),))
 
     def submit(self, task: Task) -> None:
         """Hand out a photo."""
@@ -181,8 +186,7 @@ class Pool:
     def _hire(self) -> _Worker:
         ours, theirs = self._context.Pipe()
         process = self._context.Process(target=_serve, args=(theirs,), daemon=True)
-        with single_threaded():
-            process.start()
+        process.start()
         theirs.close()
         worker = _Worker(process, ours)
         self._workers.append(worker)
@@ -193,9 +197,9 @@ def _serve(pipe: Connection) -> None:
     """Work on photos until the parent ends, however it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
     _die_with_parent()
-    from facecrf_ocio.archive.work.one_photo import process, warm_up  # noqa: PLC0415 - not in the parent
+    from facecrf_ocio.archive.work.one_photo import process  # noqa: PLC0415 - not in the parent
 
-    warm_up()
+    limit_to_one_thread()
     pipe.send(None)
     with contextlib.suppress(EOFError):
         while True:

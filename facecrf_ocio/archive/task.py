@@ -5,8 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import asdict, dataclass, field
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
+from facecrf_ocio.archive.place import Place
 from facecrf_ocio.lut.format_table import default_formats
 from facecrf_ocio.settings import VERDICTS, Settings
 from facecrf_ocio.values import Estimate
@@ -43,6 +44,17 @@ class Recipe:
     exr: bool = False
     pool: bool = False
     max_error: float | None = None
+
+    def to_json(self) -> str:
+        """All of it, as the manifest keeps it."""
+        return json.dumps(asdict(self), sort_keys=True)
+
+    @classmethod
+    def from_json(cls, text: str) -> Recipe:
+        """The recipe that `to_json` wrote; ValueError or TypeError if none did."""
+        record = json.loads(text)
+        told = {"settings": Settings(**record["settings"]), "formats": tuple(record["formats"])}
+        return cls(**{**record, **told})
 
     def sha256(self, version: str) -> str:
         """Hash of everything a result depends on besides the photo, `version` included."""
@@ -99,8 +111,8 @@ class Task:
     source
         The photo's file.
     name
-        Its path relative to the archive, with slashes; the key of its row in the manifest.
-    folder
+        Its path relative to the archive, with slashes.
+    place
         Root of the outputs.
     recipe
         How to treat it.
@@ -119,7 +131,7 @@ class Task:
 
     source: Path
     name: str
-    folder: Path
+    place: Place
     recipe: Recipe
     overwrite: bool = False
     step: str = WHOLE
@@ -129,23 +141,19 @@ class Task:
 
     @property
     def planned(self) -> tuple[str, ...]:
-        """Outputs relative to `folder`: a.jpg gets a.jpg.cube, so that a.png gets others."""
+        """Outputs relative to the place: a.jpg gets a.jpg.cube, so that a.png gets others."""
         suffixes = [*self.recipe.formats, "crf.json", *(("exr",) if self.recipe.exr else ())]
         return tuple(f"{self.name}.{suffix}" for suffix in suffixes)
-
-    @property
-    def target(self) -> Path:
-        """Folder of this photo's outputs: that of the photo, mirrored."""
-        return self.folder / PurePosixPath(self.name).parent
 
 
 @dataclass(frozen=True, slots=True)
 class Output:
-    """A written file: path relative to the folder of outputs, bytes and hash."""
+    """A written file: path relative to the folder of outputs, bytes, hash, and when [ns]."""
 
     name: str
     size: int
     sha256: str
+    written_ns: int = field(default=0, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,6 +191,8 @@ class Result:
         What the photo says, if nothing was written yet; `outcome` is empty then.
     stop
         Why the run cannot go on (a full disk), else empty; such a photo is not done.
+    lasting
+        False for a failure that is not the photo's: every run tries it anew.
     """
 
     outcome: str
@@ -197,6 +207,7 @@ class Result:
     shot: Shot = Shot()
     gathered: Gathered | None = None
     stop: str = ""
+    lasting: bool = True
 
 
 FAILED = "failed"

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from facecrf_ocio.archive.work.task import Gathered
+from facecrf_ocio.archive.task import Gathered
 from facecrf_ocio.joint import PhotoEvidence
 from facecrf_ocio.values import Face
 

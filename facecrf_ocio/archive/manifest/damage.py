@@ -1,0 +1,56 @@
+"""What is wrong with a manifest, in one line with the remedy that fits."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from facecrf_ocio.errors import OutputError
+
+_FULL = "free some space, or choose another folder"
+_LOCKED = "close the program that has it open, and start again"
+_DAMAGED = "restore it from a copy; or move it away and start the batch again with --overwrite"
+_ANY = "close what has it open, check the disk, or choose another folder"
+_BY_NAME = {
+    "SQLITE_FULL": _FULL,
+    "SQLITE_IOERR": "check the disk, and start again",
+    "SQLITE_CANTOPEN": "allow writing it, or choose another folder",
+    "SQLITE_READONLY": "allow writing it, or choose another folder",
+    "SQLITE_PERM": "allow writing it, or choose another folder",
+    "SQLITE_BUSY": _LOCKED,
+    "SQLITE_LOCKED": _LOCKED,
+}
+_REMEDIES = {getattr(sqlite3, name, -1): remedy for name, remedy in _BY_NAME.items()}
+
+
+@contextmanager
+def telling(path: Path) -> Iterator[None]:
+    """Turn what SQLite complains of into OutputError, which names file and remedy."""
+    try:
+        yield
+    except sqlite3.Error as error:
+        # Python 3.10 does not tell the code.
+        code = getattr(error, "sqlite_errorcode", None)
+        remedy = _ANY if code is None else _REMEDIES.get(code & 0xFF, _DAMAGED)
+        problem = f"{path}: the manifest cannot be used: {error}; {remedy}"
+        raise OutputError(problem) from error
+
+
+@contextmanager
+def understanding(path: Path) -> Iterator[None]:
+    """Turn what a damaged row makes of us into OutputError, which names file and remedy."""
+    try:
+        yield
+    except (
+        ArithmeticError,
+        AttributeError,
+        LookupError,
+        RecursionError,
+        TypeError,
+        ValueError,
+    ) as e:
+        told = " ".join(str(e).split())[:200]
+        problem = f"{path}: the manifest holds what no facecrf wrote ({told}); {_DAMAGED}"
+        raise OutputError(problem) from e

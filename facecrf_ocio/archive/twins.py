@@ -1,0 +1,67 @@
+"""Photos of the same bytes: the second gets the curve that the first got."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from facecrf_ocio.archive.manifest.database import DONE, Manifest
+from facecrf_ocio.archive.task import FAILED, WRITE, Result, Task
+from facecrf_ocio.errors import LutError, OutputError
+from facecrf_ocio.files.content import sha256_of
+from facecrf_ocio.values import Estimate
+
+
+def from_twin(
+    manifest: Manifest, task: Task, fingerprint: str, recipe: str
+) -> tuple[Task, Result | None] | None:
+    """What is left to do for a photo of which another with the same bytes is known.
+
+    Returns
+    -------
+    tuple or None
+        The task to write the other's curve; and the result, if nothing is to be written. None if
+        there is no such photo, or if what became of it is of no use.
+    """
+    own = ""
+    for twin in manifest.twins(task.name, fingerprint, recipe) if fingerprint else ():
+        told = twin.result
+        if told.outcome == FAILED and not twin.key:
+            continue
+        own = own or _hash(task.source)
+        if told.sha256 != own:
+            continue
+        if twin.key:
+            gathered = manifest.gathered(twin.name)
+            return task, Result(
+                "", sha256=own, camera=told.camera, shot=told.shot, gathered=gathered
+            )
+        if twin.state != DONE:
+            continue
+        if not manifest.outputs(twin.name):
+            return task, told
+        estimate = _estimate_of(manifest, task, twin.name)
+        if estimate is not None:
+            return replace(task, step=WRITE, sha256=own, estimate=estimate), None
+    return None
+
+
+def _hash(path: Path) -> str:
+    try:
+        return sha256_of(path)
+    except OutputError:  # whoever works on it will tell
+        return "unreadable"
+
+
+def _estimate_of(manifest: Manifest, task: Task, name: str) -> Estimate | None:
+    """The estimate as its record has it; None if that is not as it was written."""
+    from facecrf_ocio.record.sidecar import SUFFIX, read_sidecar  # noqa: PLC0415 - heavy
+
+    recorded = {output.name: output.sha256 for output in manifest.outputs(name)}
+    try:
+        path = task.place.inside(f"{name}{SUFFIX}")
+        if recorded.get(f"{name}{SUFFIX}") != sha256_of(path):
+            return None
+        return read_sidecar(path).estimate
+    except (OutputError, LutError):
+        return None

@@ -1,0 +1,231 @@
+"""`facecrf batch`: whole archives, unattended."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from facecrf_ocio.archive.walk import Passed, photos_under
+from facecrf_ocio.cli.batch_progress import Progress, kind_of
+from facecrf_ocio.cli.calibrate_command import formats_option
+from facecrf_ocio.cli.options import TEXT_PATH, Choices, direction_options, estimation_options
+from facecrf_ocio.cli.terminal import (
+    DONE,
+    FAILED,
+    NOTHING,
+    UNREADABLE,
+    complain,
+    ending_well,
+    tell_json,
+)
+from facecrf_ocio.errors import LutError
+from facecrf_ocio.files.threads import usable_cores
+
+if TYPE_CHECKING:
+    from facecrf_ocio.archive.run import Event, Job
+    from facecrf_ocio.archive.work.dask_cluster import Cluster
+
+INTERRUPTED = 130
+_TLS = ("tls_ca", "tls_cert", "tls_key")
+
+
+@click.command()
+@click.argument("source", type=click.Path(path_type=Path))
+@click.option("-o", "--output", required=True, type=TEXT_PATH, metavar="DST", help="Own folder.")
+@click.option("--jobs", type=click.IntRange(1), default=None, help="Processes; one per core.")
+@click.option("--include", multiple=True, metavar="GLOB", help="Only these; may be repeated.")
+@click.option("--exclude", multiple=True, metavar="GLOB", help="Not these; may be repeated.")
+@click.option(
+    "--files-from",
+    type=click.File("rb"),
+    help="File of photo names below SOURCE, one a line; - for stdin.",
+)
+@click.option("--all-folders", is_flag=True, help="Also those of other software, as @eaDir.")
+@click.option("-0", "--null", is_flag=True, help="Names in --files-from end with NUL.")
+@formats_option
+@direction_options
+@click.option("--exr", is_flag=True, help="Also write scene-linear EXRs.")
+@click.option(
+    "--pool",
+    type=click.Choice(("none", "camera")),
+    default="none",
+    show_default=True,
+    help="One curve from all photos of a camera, by EXIF; and one for each bracket.",
+)
+@click.option(
+    "--timeout",
+    default=300.0,
+    show_default=True,
+    type=click.FloatRange(0.0, min_open=True),
+    help="Seconds for one photo.",
+)
+@click.option(
+    "--memory",
+    default=4096,
+    show_default=True,
+    type=click.IntRange(1),
+    help="MB for one process.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object per photo and line.")
+@click.option(
+    "--csv", "table", type=TEXT_PATH, metavar="FILE.csv", help="At the end, list every photo."
+)
+@click.option("--retry", is_flag=True, help="Try photos again that failed before.")
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Work on the Dask cluster of this scheduler (tcp://host:8786) instead of with --jobs.",
+)
+@click.option(
+    "--ship/--no-ship",
+    default=None,
+    help="Send photos to its workers and write here what comes back; or never do. By default, "
+    "when a worker does not see SOURCE and DST.",
+)
+@click.option("--tls-ca", type=click.Path(path_type=Path), help="Certificate of the authority.")
+@click.option("--tls-cert", type=click.Path(path_type=Path), help="Certificate shown to it.")
+@click.option("--tls-key", type=click.Path(path_type=Path), help="Key of that certificate.")
+@estimation_options
+@ending_well
+def batch(
+    source: Path,
+    output: Path,
+    jobs: int | None,
+    include: tuple[str, ...],
+    exclude: tuple[str, ...],
+    files_from: Any,
+    null: bool,
+    **options: Any,
+) -> int:
+    """Calibrate all photos below SOURCE and write their LUTs to a mirrored tree.
+
+    Photos are only read. For sub/a.jpg, DST gets sub/a.jpg.cube and so on. Started again, the
+    command goes on where it was stopped, and redoes only what changed, in SOURCE or in DST. The
+    exit code is 3 if a photo failed; one that gives no curve has not.
+    """
+    from facecrf_ocio.archive.photo_list import require_list, write_list
+    from facecrf_ocio.archive.run import run
+
+    as_json, table, all_folders = (options.pop(n) for n in ("as_json", "table", "all_folders"))
+    job = _job(source, output, jobs, options)
+    if table is not None:
+        require_list(table, overwrite=job.overwrite)
+    passed = Passed()
+    if files_from is not None:
+        photos = _named(files_from.read(), source, b"\0" if null else b"\n")
+        total = None
+    else:
+        walk = (source, include, exclude)
+        photos = photos_under(*walk, all_folders=all_folders)
+        counted = photos_under(*walk, all_folders=all_folders, passed=passed)
+        total = sum(1 for _ in counted) if source.is_dir() else None
+    progress = Progress(total, passed, partial(_tell, source) if as_json else _silent)
+    try:
+        with progress:
+            run(job, photos, progress)
+        if table is not None:
+            write_list(job.folder, table)
+    except KeyboardInterrupt:
+        return complain("interrupted; run the same command again to go on", INTERRUPTED)
+    except OSError as error:
+        return complain(f"{error.filename or output}: {error.strerror or error}", FAILED)
+    return UNREADABLE if progress.counts["failed"] else DONE
+
+
+def _job(source: Path, output: Path, jobs: int | None, options: dict[str, Any]) -> Job:
+    from facecrf_ocio.archive.run import Job
+    from facecrf_ocio.archive.task import Recipe
+    from facecrf_ocio.archive.work.processes import Limits
+
+    exr, retry = options.pop("exr"), options.pop("retry")
+    formats = _endings(*(options.pop(name) for name in ("formats", "direction", "space")))
+    limits = Limits(options.pop("timeout"), options.pop("memory"))
+    pool = options.pop("pool") == "camera"
+    cluster = _cluster(*(options.pop(n) for n in ("scheduler", "ship", *_TLS)))
+    choices = Choices(**options)
+    if pool and choices.estimator not in ("auto", "joint"):
+        raise click.UsageError("--pool camera takes the estimator auto or joint")
+    recipe = Recipe(
+        *(choices.estimator, choices.fallback, choices.prior, choices.min_confidence),
+        *(choices.settings, formats, exr, pool),
+        max_error=choices.max_error,
+    )
+    return Job(
+        *(source, output, recipe, jobs or usable_cores(), limits),
+        overwrite=choices.overwrite,
+        retry=retry,
+        cluster=cluster,
+    )
+
+
+def _silent(_: Event) -> None:
+    """Tell no more than the counts do."""
+
+
+def _tell(source: Path, event: Event) -> None:
+    """Print what came of a photo as `calibrate --json` does."""
+    result = event.result
+    if event.step != "done":
+        return
+    kind = kind_of(result.outcome, result.verdict)
+    tell_json(
+        source / event.name,
+        {"failed": UNREADABLE, "no curve": NOTHING}.get(kind, DONE),
+        outcome=result.outcome,
+        verdict=result.verdict or None,
+        estimator=result.estimator,
+        reason=result.reason,
+        remedy=result.remedy,
+        fresh=event.fresh,
+        files=[file.name for file in result.outputs],
+    )
+
+
+def _endings(formats: tuple[str, ...], direction: str, space: str | None) -> tuple[str, ...]:
+    """Endings of a photo's LUTs, or wrong usage where a format cannot hold what is asked for."""
+    if direction == "linearize" and space is None:
+        return formats  # without the libraries that the endings are looked up with
+    from facecrf_ocio.lut.write import endings
+
+    try:
+        return endings(formats, direction, space or "")
+    except LutError as error:
+        raise click.UsageError(str(error)) from None
+
+
+def _cluster(scheduler: str | None, ship: bool | None, *tls: Path | None) -> Cluster | None:
+    if not scheduler:
+        if ship is not None or any(tls):
+            raise click.UsageError("--ship, --no-ship and --tls-... are for --scheduler")
+        return None
+    if any(tls) and not all(tls):
+        raise click.UsageError("--tls-ca, --tls-cert and --tls-key belong together")
+    from facecrf_ocio.archive.work.dask_cluster import Cluster
+
+    return Cluster(scheduler, ship, *map(str, filter(None, tls)))
+
+
+def _named(text: bytes, source: Path, end: bytes) -> Iterator[Path]:
+    """Photos of a list, relative to the source or absolute; those elsewhere are refused."""
+    root = Path(os.path.abspath(source))  # noqa: PTH100 - links are names, too
+    if end == b"\n" and b"\0" in text:
+        raise click.UsageError("the list of --files-from holds NUL; pass -0")
+    for line in text.removeprefix(b"\xef\xbb\xbf").split(end):
+        if line.strip(b"\r"):
+            path = _named_path(root, line)
+            if root not in path.parents:
+                raise click.BadParameter(f"{path} is not below {source}")
+            yield source / path.relative_to(root)
+
+
+def _named_path(root: Path, line: bytes) -> Path:
+    """A line's photo; of lists that Windows wrote a line's end has a byte too many."""
+    path = Path(os.path.normpath(root / os.fsdecode(line)))
+    if line.endswith(b"\r") and not os.path.lexists(path):
+        return Path(os.path.normpath(root / os.fsdecode(line.removesuffix(b"\r"))))
+    return path

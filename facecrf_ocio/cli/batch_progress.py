@@ -1,0 +1,109 @@
+"""What a batch tells while it runs, and at its end."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Callable, Iterator
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from facecrf_ocio.archive.walk import Passed, as_utf8
+from facecrf_ocio.cli.terminal import one_line
+
+if TYPE_CHECKING:
+    from facecrf_ocio.archive.run import Event
+
+KINDS = ("reliable", "weak", "prior only", "no curve", "failed")
+_PLAIN_EVERY = 30.0  # [s] between two lines where there is no terminal
+_SUFFIXES_TOLD = 8
+
+
+class Progress:
+    """Rate, time left and counts: a live line on a terminal, a plain one now and then elsewhere."""
+
+    def __init__(self, total: int | None, passed: Passed, tell: Callable[[Event], None]) -> None:
+        self.total, self.counts, self.passed = total, Counter[str](), passed
+        self.tell = tell
+        self.done = self.fresh = self.gathered = 0
+        self.begin = self.said = monotonic()
+        self.live: Any = None
+
+    def __enter__(self) -> Progress:
+        if sys.stderr.isatty():
+            from rich.console import Console
+
+            self.live = Console(stderr=True).status(self._line())
+            self.live.start()
+        return self
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        if self.live is not None:
+            self.live.stop()
+        if self.done or self.gathered or kind is None:  # else the error alone says it all
+            for line in (*_passed_over(self.passed), self._line()):
+                click.echo(line, err=True)
+
+    def __call__(self, event: Event) -> None:
+        """Count what came of a photo, and tell it if it failed."""
+        result = event.result
+        self.tell(event)
+        if event.step == "gathered":
+            self.gathered += 1
+        else:
+            by = -1 if event.step == "reopened" else 1
+            self.done += by
+            self.fresh += event.fresh
+            self.counts[kind_of(result.outcome, result.verdict)] += by
+        if event.fresh and result.outcome == "failed":
+            if self.live is not None:
+                self.live.stop()
+            click.echo(f"facecrf: {one_line(_failure(event))}", err=True)
+            if self.live is not None:
+                self.live.start()
+        if self.live is not None:
+            self.live.update(self._line())
+        elif monotonic() - self.said > _PLAIN_EVERY:
+            self.said = monotonic()
+            click.echo(self._line(), err=True)
+
+    def _line(self) -> str:
+        rate = self.fresh / max(monotonic() - self.begin, 1e-9)
+        of = "" if self.total is None else f" of {self.total}"
+        text = f"{self.done}{of} photos"
+        if self.gathered and (self.total is None or self.done < self.total):
+            text = f"{self.gathered} looked at, {text}"
+        if self.done > self.fresh:
+            text += f" ({self.done - self.fresh} done before)"
+        if self.fresh:
+            text += f", {rate:.2f}/s"
+            if self.total is not None and self.total > self.done:
+                text += f", {(self.total - self.done) / rate / 60:.0f} min left"
+        return f"{text}: " + ", ".join(f"{self.counts[kind]} {kind}" for kind in KINDS)
+
+
+def _passed_over(passed: Passed) -> Iterator[str]:
+    """What was not looked at, a line for folders and one for files."""
+    if passed.folders:
+        names = ", ".join(f"{name} ({count})" for name, count in sorted(passed.folders.items()))
+        yield one_line(f"passed over folders of other software: {as_utf8(names)}; --all-folders")
+    if passed.suffixes:
+        most = passed.suffixes.most_common(_SUFFIXES_TOLD)
+        rest = len(passed.suffixes) - len(most)
+        told = [f"{count} {suffix or 'without a suffix'}" for suffix, count in most]
+        more = [f"{rest} other kinds"] if rest else []
+        listed = ", ".join((*told, *more))
+        yield one_line(f"not looked at, by their names: {as_utf8(listed)}; --include takes them")
+
+
+def _failure(event: Event) -> str:
+    """Which photo, what is wrong and what to do."""
+    told = f"{as_utf8(event.name)}: failed: {event.result.reason}"
+    return "; ".join(filter(None, (told, event.result.remedy)))
+
+
+def kind_of(outcome: str, verdict: str) -> str:
+    """One of `KINDS`."""
+    return "failed" if outcome == "failed" else verdict or "no curve"

@@ -1,0 +1,61 @@
+"""`facecrf verify`: whether what a batch made is as it was written, and made again if not."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from facecrf_ocio.archive.walk import as_utf8
+from facecrf_ocio.cli.terminal import DONE, FAILED, complain, ending_well, one_line, status
+
+if TYPE_CHECKING:
+    from facecrf_ocio.archive.check_outputs import Fault
+
+
+@click.command()
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object per fault and line.")
+@click.option("--repair", is_flag=True, help="Make again what is missing, altered or unreadable.")
+@ending_well
+def verify(folder: Path, as_json: bool, repair: bool) -> int:
+    """Tell which files of a batch in FOLDER are missing, altered, unreadable or extra.
+
+    Every file is read and its hash compared. Nothing is changed without --repair, which makes
+    outputs again from the photos as the batch did, and takes nothing away that is extra.
+    """
+    from facecrf_ocio.archive.check_outputs import verify as faults_in
+
+    faults = []
+    for fault in faults_in(folder):
+        faults.append(fault)
+        if not repair:
+            _tell(fault, as_json)
+    if repair:
+        from facecrf_ocio.archive.repair import make_again
+
+        with status(f"making {len(faults)} files of {folder} again"):
+            problems = make_again(folder, faults)
+        for problem in problems:
+            complain(problem, FAILED)
+        faults = list(faults_in(folder))
+        for fault in faults:
+            _tell(fault, as_json)
+    code = FAILED if faults else DONE
+    if as_json:
+        click.echo(json.dumps({"folder": str(folder), "exit_code": code, "faults": len(faults)}))
+    elif faults:
+        complain(f"{folder}: {len(faults)} files are not as they were written", code)
+    else:
+        click.echo(one_line(f"{folder}: all files are as they were written"))
+    return code
+
+
+def _tell(fault: Fault, as_json: bool) -> None:
+    if as_json:
+        record = {"fault": fault.kind, "file": fault.name, "photo": fault.photo}
+        click.echo(json.dumps(record))
+    else:
+        click.echo(one_line(f"{fault.kind}: {as_utf8(fault.name)}"))
