@@ -8,7 +8,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from facecrf_ocio.face import regions
+from facecrf_ocio.errors import FaceCRFError
+from facecrf_ocio.face import networks, regions
 from facecrf_ocio.face.geometry import mesh_triangles
 from facecrf_ocio.face.networks import MODELS, load_network
 
@@ -28,6 +29,22 @@ def test_every_model_is_listed():
 @pytest.mark.parametrize("name", WEIGHTS)
 def test_digest_holds(name):
     assert hashlib.sha256((MODELS / name).read_bytes()).hexdigest() == SUMS[name]
+
+
+def test_a_model_that_is_not_the_one_that_ships_is_not_loaded(tmp_path, monkeypatch):
+    for file in MODELS.iterdir():
+        (tmp_path / file.name).write_bytes(file.read_bytes())
+    name = "face_landmarks_detector.tflite"
+    content = bytearray((tmp_path / name).read_bytes())
+    content[len(content) // 2] ^= 1
+    (tmp_path / name).write_bytes(content)
+    monkeypatch.setattr(networks, "MODELS", tmp_path)
+    networks.model_path.cache_clear()
+    with pytest.raises(FaceCRFError, match="not the model that ships; install facecrf-ocio again"):
+        networks.Network(name, "Identity")
+    with pytest.raises(FaceCRFError, match="not the model"):
+        networks.model_path("unlisted.onnx")
+    networks.model_path.cache_clear()
 
 
 def test_licenses_are_shipped():

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.face import regions
-from facecrf_ocio.face.networks import MODELS
+from facecrf_ocio.face.networks import model_path
 from facecrf_ocio.face.rasterize import interpolate, rasterize, vertex_normals
 from facecrf_ocio.values import Bool, Face, Float, frozen
 
@@ -93,7 +93,7 @@ def face_geometry(
 @cache
 def mesh_triangles() -> npt.NDArray[np.int32]:
     """(898, 3) vertex indices of the face mesh, counterclockwise seen from outside, read-only."""
-    with np.load(MODELS / "canonical_face_mesh.npz") as mesh:
+    with np.load(model_path("canonical_face_mesh.npz")) as mesh:
         return frozen(mesh["triangles"], np.int32)
 
 

@@ -11,6 +11,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from facecrf_ocio.errors import FaceCRFError, OutputError
+from facecrf_ocio.files.content import sha256_of
 from facecrf_ocio.values import Float
 
 MODELS = Path(__file__).parent / "models"
@@ -20,6 +22,27 @@ MODELS = Path(__file__).parent / "models"
 _ENGINE: dict[str, int] = (
     {"engine": cv2.dnn.ENGINE_CLASSIC} if int(cv2.__version__.split(".")[0]) >= 5 else {}
 )
+
+
+@cache
+def model_path(file: str) -> Path:
+    """Path of a file in `models/`, whose bytes are those that ship.
+
+    Raises
+    ------
+    FaceCRFError
+        If it is not there, or another: libraries parse such files with little suspicion.
+    """
+    path = MODELS / file
+    try:
+        listed = (MODELS / "SHA256SUMS").read_text(encoding="ascii").split()
+        known = dict(zip(listed[1::2], listed[::2], strict=True)).get(file)
+        genuine = known is not None and sha256_of(path) == known
+    except (OSError, ValueError, OutputError):
+        genuine = False
+    if not genuine:
+        raise FaceCRFError(f"{path}: is not the model that ships; install facecrf-ocio again")
+    return path
 
 
 class Network:
@@ -34,7 +57,7 @@ class Network:
     """
 
     def __init__(self, file: str, *outputs: str) -> None:
-        self._net: Any = cv2.dnn.readNetFromTFLite(str(MODELS / file), **_ENGINE)
+        self._net: Any = cv2.dnn.readNetFromTFLite(str(model_path(file)), **_ENGINE)
         self._outputs = outputs
         self._lock = threading.Lock()  # a network keeps its input between two calls
 

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.face.candidate import Candidate
-from facecrf_ocio.face.networks import MODELS
+from facecrf_ocio.face.networks import model_path
 
 _LOCK = threading.Lock()  # the detector's input size is part of its state
 _SMALLEST_SIDE = 16  # [px] below it no face can be seen and OpenCV may refuse the image
@@ -52,7 +52,7 @@ def _candidate(row: npt.NDArray[np.float32]) -> Candidate:
 
 @cache
 def _detector() -> Any:
-    model = str(MODELS / "face_detection_yunet_2023mar.onnx")
+    model = str(model_path("face_detection_yunet_2023mar.onnx"))
     with _without_warnings():
         return cv2.FaceDetectorYN.create(model, "", (320, 320))
 
