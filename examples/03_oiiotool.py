@@ -23,8 +23,10 @@ photo = read_photo(portrait)
 curve = calibrate(photo).curve
 with tempfile.TemporaryDirectory() as folder:
     lut, exr = write_lut(curve, Path(folder) / "a.spi1d"), Path(folder) / "a.exr"
-    # The tag is ours to set: after a LUT, oiiotool still says that the pixels are sRGB.
-    tag = ["--attrib", "oiio:ColorSpace", "lin_rec709_scene"]
+    # The tag is ours to set: after a LUT, oiiotool still says that the pixels are sRGB, and a
+    # --tocolorspace behind it would linearize them a second time.
+    known = photo.primaries is not None and photo.primaries.name == "Rec.709"
+    tag = ["--iscolorspace", "lin_rec709_scene" if known else "unknown"]
     convert = ["-d", "float", "--ociofiletransform", lut, *tag, "-o", exr]
     subprocess.run([oiiotool, portrait, *convert], check=True)
     written = oiio.ImageBuf(str(exr))

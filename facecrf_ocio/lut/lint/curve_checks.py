@@ -87,7 +87,7 @@ def _by_light(table: Table) -> tuple[Lines, Float, Bool]:
 
 def _is_false_color(values: Float) -> bool:
     """Whether a table has steps and nothing between them, and so is no curve, (N, C)."""
-    changes = np.any(np.diff(values, axis=0) != 0, axis=1)
+    changes = np.any(values[1:] != values[:-1], axis=1)
     alone = changes[1:-1] & ~changes[:-2] & ~changes[2:]
     few = len(values) >= _FEWEST_FALSE and changes.any() and changes.mean() < 1.0 - _FALSE_COLOR
     return bool(few and alone.sum() > _FALSE_COLOR * changes.sum())

@@ -1,0 +1,105 @@
+"""Whatever a LUT file holds: a finding, an error of ours or a result, and soon."""
+
+from __future__ import annotations
+
+import os
+import random
+import time
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lut_files import (
+    CURVE,
+    LOG_TO_INFINITY,
+    MIXES,
+    matrix,
+    write_clf,
+)
+from mutations import mutated
+
+from facecrf_ocio.errors import LutError
+from facecrf_ocio.image.lut_lookup import lut_lookup
+from facecrf_ocio.lut.format_table import FORMATS
+from facecrf_ocio.lut.lint import lint
+from facecrf_ocio.lut.transform import Recipe
+from facecrf_ocio.values import InverseCRF
+
+SEED = int(os.environ.get("FACECRF_SEED", "0"))
+COUNT = int(os.environ.get("FACECRF_MUTATIONS", "300"))
+SECONDS = 2.0
+GRAY = np.full((1, 2, 3), 0.4, np.float32)
+
+
+def seeds(folder: Path) -> list[tuple[str, bytes]]:
+    """Small whole files of every format, and of what others put into them."""
+    codes = np.linspace(0.0, 1.0, 5)
+    recipe = Recipe(InverseCRF(codes, np.stack([codes**2] * 3)))
+    found = []
+    for row in FORMATS.values():
+        content = row.write(recipe, ("made for damage",))
+        content = content.encode() if isinstance(content, str) else content
+        found.append((row.suffixes[0], shortened(content)))
+    rows = "0 0 0\n0.5 0.5 0.5\n1 1 1\n"
+    shapers = "2\n0 1\n0 1\n" * 3
+    found += [
+        (".spi1d", f"Version 1\nFrom 0 1\nLength 3\nComponents 3\n{{\n{rows}}}\n".encode()),
+        (".cube", f"LUT_1D_SIZE 3\nLUT_1D_INPUT_RANGE 0 1\n{rows}".encode()),
+        (".cube", f'TITLE "a"\nDOMAIN_MIN 0 0 0\nDOMAIN_MAX 1 1 1\nLUT_1D_SIZE 3\n{rows}'.encode()),
+        (".cube", b"LUT_3D_SIZE 2\n" + b"0 0 0\n1 1 1\n" * 4),
+        (
+            ".csp",
+            f"CSPLUTV100\n1D\n\nBEGIN METADATA\na\nEND METADATA\n\n{shapers}\n3\n{rows}".encode(),
+        ),
+        (".csp", f"CSPLUTV100\n3D\n\n{shapers}\n2 2 2\n{'0 0 0 1 1 1' * 4}".encode()),
+        (".clf", write_clf(folder / "a.clf", LOG_TO_INFINITY, matrix(MIXES)).read_bytes()),
+        (".clf", write_clf(folder / "a.clf", CURVE, before="a", after="b").read_bytes()),
+        (".spimtx", b"1 0 0 0\n0 1 0 0\n0 0 1 0\n"),
+        (".3dl", b"0 512 1023\n" + b"0 0 0\n" * 27),
+    ]
+    return found
+
+
+def shortened(content: bytes) -> bytes:
+    """Without most of 4096 rows, but with as many as are promised; profiles as they are."""
+    lines = content.split(b"\n")
+    if content[36:40] == b"acsp" or len(lines) < 1000:
+        return content
+    short = lines[:40] + lines[-40:]
+    return b"\n".join(short).replace(b"4096", str(4096 - len(lines) + len(short)).encode())
+
+
+@pytest.mark.slow
+def test_damaged_files_end_in_findings_errors_or_results(tmp_path: Path) -> None:
+    """`FACECRF_MUTATIONS` says how many; the documentation tells of 20,000."""
+    rng = random.Random(SEED)  # noqa: S311 - damage is no secret
+    whole, ends, slow = seeds(tmp_path), Counter[str](), []
+    for number in range(COUNT):
+        suffix, content = rng.choice(whole)
+        path = tmp_path / f"damaged{suffix}"
+        path.write_bytes(mutated(content, rng))
+        start = time.process_time()
+        end = lint_end(path)
+        ends[end] += 1
+        if end != "cannot be used":  # what is, `apply` refuses by the same question
+            ends[apply_end(path)] += 1
+        if time.process_time() - start > SECONDS:  # of a busy machine's own
+            slow.append((number, suffix))
+    print(dict(ends))
+    assert slow == []
+
+
+def lint_end(path: Path) -> str:
+    found = lint(path)
+    unusable = bool(found) and found[-1].unusable
+    return "cannot be used" if unusable else "findings" if found else "clean"
+
+
+def apply_end(path: Path) -> str:
+    try:
+        found = lut_lookup(path, "linearize").apply(GRAY)
+    except LutError:
+        return "refused"
+    assert np.isfinite(found).all()
+    return "applied"

@@ -1,0 +1,128 @@
+"""LUTs and configs that others publish, where a folder of them is named by FACECRF_PEERS.
+
+The documentation's counts are of OpenColorIO's `tests/data`, the CLFs of OpenColorIO-Config-ACES,
+colour-science's test resources, and the AgX and filmic configs; none of them is shipped here.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import PyOpenColorIO as ocio  # noqa: N813
+import pytest
+from config_spaces import lost, read
+from lut_files import through_ocio
+from photo_files import GRID
+
+from facecrf_ocio.errors import LutError, SettingsError
+from facecrf_ocio.image.lut_lookup import lut_lookup
+from facecrf_ocio.lut.lint import lint
+from facecrf_ocio.lut.usable import why_unusable
+from facecrf_ocio.lut.write import write_lut
+from facecrf_ocio.ocio_config import write_config
+from facecrf_ocio.values import InverseCRF
+
+pytestmark = pytest.mark.slow
+SUFFIXES = {f".{suffix}" for _, suffix in ocio.FileTransform.getFormats()}
+GRAY = np.repeat(np.linspace(0, 1, 65, dtype=np.float32)[None, :, None], 3, axis=2)
+COLORS = np.random.default_rng(3).random((4, 65, 3), np.float32)
+PIXELS = np.ascontiguousarray(np.concatenate([GRAY, COLORS]))
+# Published files that lint warns of, and rightly: their tables fall.
+TRUE_FINDINGS = {"Demo.csp", "Demo.cube"}
+
+
+@pytest.fixture(scope="module")
+def peers() -> Path:
+    folder = os.environ.get("FACECRF_PEERS", "")
+    if not folder or not Path(folder).is_dir():
+        pytest.skip("no folder of others' LUTs; name one by FACECRF_PEERS")
+    return Path(folder)
+
+
+def files(folder: Path) -> list[Path]:
+    return [path for path in sorted(folder.rglob("*")) if path.suffix.lower() in SUFFIXES]
+
+
+def applied(path: Path) -> str:
+    """How a file that OpenColorIO accepts is applied, or why it is refused."""
+    how, direction, backward = "applied", None, path.suffix.lower() in (".icc", ".icm", ".pf")
+    try:
+        lookup = lut_lookup(path)
+    except LutError as error:
+        if "encodes, by" not in str(error):
+            return "refused: " + str(error).partition(": ")[2].partition(" (")[0]
+        reason = str(error).partition("encodes, ")[2].partition(";")[0]
+        how, direction = f"applied with --direction encode, because it encodes {reason}", "encode"
+        lookup = lut_lookup(path, direction)
+    expected = through_ocio(path, PIXELS, inverse=backward)
+    finite = np.isfinite(expected).all(axis=2)
+    try:
+        found = lookup.apply(PIXELS)
+    except LutError:
+        return "refused: makes NaN or infinity of codes" if not finite.all() else "refused"
+    same = np.allclose(found[finite], expected[finite], rtol=1e-6, atol=1e-6)
+    return how if same else "unlike"
+
+
+def test_every_lut_is_applied_as_by_opencolorio_or_refused_by_both(peers: Path) -> None:
+    ends: dict[str, list[str]] = {}
+    for path in files(peers):
+        refused = why_unusable(path)
+        findings = lint(path)
+        if refused:
+            assert findings[-1].unusable, path
+            assert refused in findings[-1].problem
+            end = "refused by OpenColorIO, told by lint"
+        else:
+            assert not any(finding.unusable for finding in findings), path
+            end = applied(path)
+        ends.setdefault(end, []).append(path.name)
+    for end, names in sorted(ends.items()):
+        print(f"{len(names):4} {end}: {', '.join(names) if len(names) < 12 else '...'}")
+    assert "unlike" not in ends
+    assert "refused" not in ends
+
+
+def test_lint_raises_no_false_alarm(peers: Path) -> None:
+    told: Counter[str] = Counter()
+    alarms = {}
+    for path in files(peers):
+        found = lint(path)
+        own_tests = "tests/data" in path.as_posix()
+        kind = "refused" if found and found[-1].unusable else "findings" if found else "clean"
+        told[f"{kind}, {'OpenColorIO tests' if own_tests else 'published'}"] += 1
+        if kind == "findings":
+            alarms[path.name] = (own_tests, found[0].problem)
+    print(dict(told))
+    for name, (own_tests, problem) in sorted(alarms.items()):
+        print(f"{'test' if own_tests else 'published'} {name}: {problem}")
+    published = {name for name, (own_tests, _) in alarms.items() if not own_tests}
+    assert published <= TRUE_FINDINGS
+
+
+def test_every_config_goes_on_after_a_merge(peers: Path, tmp_path: Path) -> None:
+    lut = write_lut(InverseCRF(GRID, np.stack([GRID**2.2] * 3)), tmp_path / "p.spi1d")
+    merged, ways, told = 0, 0, Counter[str]()
+    for number, config in enumerate(sorted(peers.rglob("*.ocio"))):
+        for output in (config.parent / f"facecrf_{number}.ocio", tmp_path / f"{number}.ocio"):
+            try:
+                before = read(config)
+                has = before.hasRole("aces_interchange")
+                reference = None if has else "lin_rec709"
+                write_config([lut], output, merge=str(config), reference=reference, overwrite=True)
+                count, unlike = lost(before, read(output))
+            except (SettingsError, ocio.Exception) as error:
+                told[str(error).replace(str(config), "")[:120]] += 1
+                continue
+            finally:
+                if output.parent == config.parent:
+                    output.unlink(missing_ok=True)
+                    shutil.rmtree(output.parent / f"facecrf_{number}_luts", ignore_errors=True)
+            assert unlike == [], config
+            merged, ways = merged + 1, ways + count
+    print(f"{merged} merged, {ways} ways from or to their spaces unchanged; not merged: {told}")
+    assert merged
