@@ -183,7 +183,7 @@ class TestWithoutTablesOf16Bits:
     ) -> None:
         pixels = every_code(dtype, 4)
         expected = curve_lookup(CURVE).apply(pixels, dtype=kind)
-        monkeypatch.setattr(facecrf_ocio.image.lookup, "_opencv_looks_up_16_bits", lambda: False)
+        monkeypatch.setattr(facecrf_ocio.image.lookup, "opencv_looks_up_16_bits", lambda: False)
         found = curve_lookup(CURVE).apply(pixels, dtype=kind)
         assert np.array_equal(found, expected, equal_nan=True)
 

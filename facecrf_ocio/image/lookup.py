@@ -11,7 +11,6 @@ import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import Any
 
 import cv2
@@ -19,6 +18,11 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.errors import LutError, SettingsError
+from facecrf_ocio.image.by_table import (
+    numpy_look_up,
+    opencv_look_up,
+    opencv_looks_up_16_bits,
+)
 from facecrf_ocio.image.reach import bring_back, some_lost
 from facecrf_ocio.values import InverseCRF
 
@@ -121,10 +125,10 @@ class Lookup:
             used = (np.take(table.infinite[:, c], codes[..., c]).any() for c in work.color)
             if any(used):
                 raise self._broken()
-        if codes.dtype == np.uint8 or _opencv_looks_up_16_bits():
-            _opencv_look_up(codes, table.values, out)
+        if codes.dtype == np.uint8 or opencv_looks_up_16_bits():
+            opencv_look_up(codes, table.values, out)
         else:
-            _numpy_look_up(codes, table.values, out)
+            numpy_look_up(codes, table.values, out)
 
     def _table(self, pixels: Pixels, dtype: Any, work: _Work) -> _Table:
         values = _every_value(pixels.dtype, work.maximum)
@@ -283,29 +287,3 @@ def _half(values: Float32, color: Sequence[int]) -> Pixels:
 
 def _is_infinite_half(values: Pixels) -> bool:
     return bool(((values.view(np.uint16) & 0x7FFF) >= _INFINITE_HALF).any())
-
-
-@cache
-def _opencv_looks_up_16_bits() -> bool:
-    """Whether this OpenCV does; before 4.13 it knows tables of 256 entries only."""
-    try:
-        cv2.LUT(np.zeros((1, 1), np.uint16), np.zeros((1, 65536), np.float32))
-    except cv2.error:
-        return False
-    return True
-
-
-def _opencv_look_up(codes: Any, table: Pixels, out: Pixels) -> None:
-    # Half floats go as 16-bit integers, which every version of OpenCV copies as they are.
-    kind = np.uint16 if out.dtype == np.float16 else np.float32
-    target: Any = out.view(kind)
-    entries: Any = table.view(kind)[None]
-    result = cv2.LUT(codes, entries, dst=target if out.flags.c_contiguous else None)
-    if result is not target:
-        target[...] = np.reshape(result, target.shape)
-
-
-def _numpy_look_up(codes: Pixels, table: Pixels, out: Pixels) -> None:
-    for channel in range(codes.shape[2]):
-        column = np.ascontiguousarray(table[:, channel])
-        out[..., channel] = np.take(column, codes[..., channel])
