@@ -392,6 +392,14 @@ def test_steps_for_false_color_are_no_curve(tmp_path: Path) -> None:
     assert lint(tmp_path / "a.spi1d") == ()
 
 
+def test_what_opencolorio_warns_of_is_found(tmp_path: Path) -> None:
+    path = tmp_path / "a.clf"
+    path.write_text(CLF.replace("<LUT1D", "<Comment>x</Comment>\n<LUT1D"))
+    (found,) = lint(path)
+    assert (found.severity, found.line) == ("warning", 3)
+    assert "Unrecognized element 'Comment'" in found.problem
+
+
 def test_a_profile_under_its_other_suffix(tmp_path: Path) -> None:
     path = write_lut(CURVE, tmp_path / "a.icc").rename(tmp_path / "a.icm")
     assert lint(path) == ()

@@ -8,29 +8,46 @@ import signal
 import sys
 from pathlib import Path
 
+import PyOpenColorIO as ocio  # noqa: N813
+
 from facecrf_ocio.lut.ocio_processor import RefusedError, ocio_processor
 
+_MOST_WARNINGS = 20
 _MEMORY = 2 << 30  # [byte] of addresses; OpenColorIO itself takes some 0.2e9
 
 
 def serve() -> None:
-    """Answer lines `[path, seconds]` with OpenColorIO's reason against the file, "" for none."""
+    """Say `ready`, then answer lines `[path, seconds]` with lines `[reason, warnings]`.
+
+    The reason is OpenColorIO's against the file, "" for none.
+    """
     with contextlib.suppress(ImportError, OSError, ValueError):
         import resource  # noqa: PLC0415 - not on Windows
 
         resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    warnings: list[str] = []
+    ocio.SetLoggingFunction(warnings.append)
+    print("ready", flush=True)
     for line in sys.stdin:
         path, seconds = json.loads(line)
+        warnings.clear()
         _allow(seconds)
-        answer = _reason(Path(path))
+        reason = _reason(Path(path))
         _allow(0.0)
-        print(json.dumps(answer), flush=True)
+        told = dict.fromkeys(_plain(text, path) for text in warnings[:_MOST_WARNINGS])
+        print(json.dumps([reason, list(told)]), flush=True)
+
+
+def _plain(text: str, path: str) -> str:
+    """A line of OpenColorIO's log without who says it, and of what file."""
+    _, _, message = " ".join(text.split()).rpartition(f"{path}")
+    return message.removeprefix("[OpenColorIO Warning]: ")
 
 
 def _reason(path: Path) -> str:
     try:
-        ocio_processor(path)
+        ocio_processor(path, quiet=False)
     except RefusedError as error:
         return str(error) or "it gives no reason"
     except MemoryError:

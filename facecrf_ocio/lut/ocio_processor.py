@@ -13,7 +13,7 @@ class RefusedError(Exception):
     """OpenColorIO cannot use a file; the text is its reason, whole, in one line."""
 
 
-def ocio_processor(path: Path, *, inverse: bool = False) -> Any:
+def ocio_processor(path: Path, *, inverse: bool = False, quiet: bool = True) -> Any:
     """Return the processor of a LUT file, as it is on the disk now.
 
     Parameters
@@ -22,6 +22,8 @@ def ocio_processor(path: Path, *, inverse: bool = False) -> Any:
         The file.
     inverse
         Whether to run it backward.
+    quiet
+        Whether OpenColorIO keeps its warnings to itself; `usable.ask` tells them.
 
     Raises
     ------
@@ -30,7 +32,10 @@ def ocio_processor(path: Path, *, inverse: bool = False) -> Any:
     """
     source = os.path.abspath(path)  # noqa: PTH100 - resolves no links
     way = ocio.TRANSFORM_DIR_INVERSE if inverse else ocio.TRANSFORM_DIR_FORWARD
+    level = ocio.GetLoggingLevel()
     try:
+        if quiet:
+            ocio.SetLoggingLevel(ocio.LOGGING_LEVEL_NONE)
         # It keeps every file it ever read, by path: a file that was written again would be read
         # as it was, and a batch would fill the memory.
         ocio.ClearAllCaches()
@@ -43,6 +48,7 @@ def ocio_processor(path: Path, *, inverse: bool = False) -> Any:
         raise RefusedError("it cannot read from a folder whose name is not Unicode") from error
     finally:
         ocio.ClearAllCaches()
+        ocio.SetLoggingLevel(level)
 
 
 def exact_cpu(processor: Any, depth: Any = ocio.BIT_DEPTH_F32) -> Any:

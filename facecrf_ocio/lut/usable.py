@@ -17,14 +17,17 @@ from pathlib import Path
 
 import facecrf_ocio
 
-_LEAST_SECONDS = 0.8
-"""[s] Processor time that any file may take; the largest of OpenColorIO's own tests takes 0.4."""
+_LEAST_SECONDS = 0.5
+"""[s] Processor time that any file may take; a few kilobytes take some milliseconds."""
 
 _BYTES_PER_SECOND = 2e6
 """[byte/s] What OpenColorIO reads at least, of text: 8e6 on one core of 2020."""
 
-_PATIENCE = 10.0
-"""Times the processor time that may pass, where the machine is busy with other things."""
+_PATIENCE = 60.0 if hasattr(signal, "setitimer") else 5.0
+"""Times the processor time that may pass on a busy machine; less where nobody counts that time."""
+
+_START = 60.0
+"""[s] That the process may take to start."""
 
 _SERVE = "import sys; sys.path.insert(0, sys.argv[1]); from facecrf_ocio.lut.ocio_child import "
 _ROOT = str(Path(facecrf_ocio.__file__).resolve().parents[1])
@@ -32,8 +35,13 @@ _ROOT = str(Path(facecrf_ocio.__file__).resolve().parents[1])
 
 def why_unusable(path: Path) -> str:
     """Return OpenColorIO's reason against a LUT file, whole; empty if it takes it."""
+    return ask(path)[0]
+
+
+def ask(path: Path) -> tuple[str, tuple[str, ...]]:
+    """Return OpenColorIO's reason against a LUT file, and what it warns of."""
     if "python" not in Path(sys.executable or "").name.lower():
-        return ""  # inside of a host, whose program must not be started a second time
+        return "", ()  # inside of a host, whose program must not be started a second time
     return _child.ask(path)
 
 
@@ -45,25 +53,16 @@ class _Child:
         self._owner = 0
         self._lock = threading.Lock()
 
-    def ask(self, path: Path) -> str:
+    def ask(self, path: Path) -> tuple[str, tuple[str, ...]]:
         seconds = _LEAST_SECONDS + path.stat().st_size / _BYTES_PER_SECOND
         question = json.dumps([os.path.abspath(path), seconds])  # noqa: PTH100 - resolves no links
         with self._lock:
             process = self._running()
-            watch = threading.Timer(_PATIENCE * seconds, process.kill)
-            watch.start()
-            try:
-                assert process.stdin is not None and process.stdout is not None  # noqa: S101, PT018
-                process.stdin.write(question + "\n")
-                process.stdin.flush()
-                answer = process.stdout.readline()
-            except OSError:
-                answer = ""
-            finally:
-                watch.cancel()
+            answer = _exchange(process, question + "\n", _PATIENCE * seconds)
             if answer:
-                return str(json.loads(answer))
-            return self._last_words(process, seconds)
+                reason, warnings = json.loads(answer)
+                return str(reason), tuple(map(str, warnings))
+            return self._last_words(process, seconds), ()
 
     def stop(self) -> None:
         process, self._process = self._process, None
@@ -86,6 +85,7 @@ class _Child:
                 text=True,
                 encoding="utf-8",
             )
+            _exchange(self._process, "", _START)  # that it is ready
         return self._process
 
     def _last_words(self, process: subprocess.Popen[str], seconds: float) -> str:
@@ -97,6 +97,21 @@ class _Child:
         if died_of in by_clock or died_of <= 0:
             return f"OpenColorIO does not come to an end with it within {seconds:.1f} s"
         return "OpenColorIO crashes on it"
+
+
+def _exchange(process: subprocess.Popen[str], question: str, seconds: float) -> str:
+    """Return a line of a process's answer, which dies if it has none in time; empty then."""
+    watch = threading.Timer(seconds, process.kill)
+    watch.start()
+    try:
+        assert process.stdin is not None and process.stdout is not None  # noqa: S101, PT018
+        process.stdin.write(question)
+        process.stdin.flush()
+        return process.stdout.readline()
+    except OSError:
+        return ""
+    finally:
+        watch.cancel()
 
 
 _child = _Child()

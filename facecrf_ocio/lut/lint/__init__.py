@@ -10,12 +10,13 @@ import PyOpenColorIO as ocio  # noqa: N813
 from facecrf_ocio.errors import LutError, reason_of
 from facecrf_ocio.lut.format_table import FORMATS, of_suffix
 from facecrf_ocio.lut.lint.curve_checks import check
-from facecrf_ocio.lut.lint.finding import ERROR, WARNING, Finding
+from facecrf_ocio.lut.lint.finding import ERROR, WARNING, Finding, count
 from facecrf_ocio.lut.ocio_processor import exact_cpu, ocio_processor
-from facecrf_ocio.lut.usable import why_unusable
+from facecrf_ocio.lut.usable import ask
 
 __all__ = ["ERROR", "WARNING", "Finding", "lint"]
 
+_MOST_WARNINGS = 3
 _LARGEST = 1 << 26
 """[byte] Of a file that is looked into; a 3-D LUT of 129 entries a side as text has 60e6."""
 
@@ -41,7 +42,8 @@ def lint(path: Path) -> tuple[Finding, ...]:
     content = _content(path)
     tables = None if row is None else row.tables(path, content)
     found = [finding for table in tables or () for finding in check(path, table)]
-    refused = why_unusable(path)
+    refused, warned = ask(path)
+    found += [_warning(path, text) for text in warned[:_MOST_WARNINGS]]
     if refused:
         problem = f"it cannot be used: {refused}"
         remedy = "export it again, in another format if need be"
@@ -49,6 +51,14 @@ def lint(path: Path) -> tuple[Finding, ...]:
     elif not tables:
         found += _sampled(path)
     return tuple(found)
+
+
+def _warning(path: Path, text: str) -> Finding:
+    """What OpenColorIO warns of, `(LINE): TEXT`, such as an element it does not know."""
+    line, _, problem = text.lstrip("(").partition("): ")
+    number = count(line)
+    problem = (problem if number else text).rstrip(". ")
+    return Finding(path, number, WARNING, f"OpenColorIO warns: {problem}", "check that line")
 
 
 def _content(path: Path) -> bytes:
