@@ -12,7 +12,8 @@ import pytest
 from facecrf_ocio import __version__
 from facecrf_ocio.archive.cameras.settle import settle
 from facecrf_ocio.archive.manifest.database import Manifest, Stamp
-from facecrf_ocio.archive.task import Gathered, Output, Recipe, Result, Shot
+from facecrf_ocio.archive.task import Gathered, Output, Recipe, Result
+from facecrf_ocio.photo.shot import Shot
 
 # Runs in a process of its own and prints the seconds of the run, then the memory it took at most.
 RUN = """

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from facecrf_ocio.archive.place import Place
 from facecrf_ocio.lut.format_table import default_formats
+from facecrf_ocio.photo.shot import Shot
 from facecrf_ocio.settings import VERDICTS, Settings
 from facecrf_ocio.values import Estimate
 
@@ -60,27 +61,6 @@ class Recipe:
         """Hash of everything a result depends on besides the photo, `version` included."""
         text = json.dumps({"recipe": asdict(self), "version": version}, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
-
-
-@dataclass(frozen=True, slots=True)
-class Shot:
-    """What EXIF tells of one exposure.
-
-    Attributes
-    ----------
-    style
-        Picture settings that change the response, as `name=value`; empty if none is told.
-    taken
-        [s] Since 1970 in the camera's own time zone.
-    exposure_s, aperture, iso
-        Exposure time [s], f-number, sensitivity. Everything not told is 0.
-    """
-
-    style: str = ""
-    taken: float = 0.0
-    exposure_s: float = 0.0
-    aperture: float = 0.0
-    iso: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,7 +184,7 @@ class Result:
     camera: tuple[str, str, str, str] = ("", "", "", "")
     outputs: tuple[Output, ...] = ()
     timing: Timing = Timing()
-    shot: Shot = Shot()
+    shot: Shot = field(default_factory=Shot)
     gathered: Gathered | None = None
     stop: str = ""
     lasting: bool = True

@@ -13,9 +13,11 @@ import click
 from facecrf_ocio import __version__
 from facecrf_ocio.cli.batch_command import batch
 from facecrf_ocio.cli.bench_command import bench
+from facecrf_ocio.cli.bracket_command import bracket
 from facecrf_ocio.cli.calibrate_command import calibrate
 from facecrf_ocio.cli.explain_command import explain
 from facecrf_ocio.cli.lint_command import lint
+from facecrf_ocio.cli.merge_command import merge
 from facecrf_ocio.cli.ocio_config_command import ocio_config
 from facecrf_ocio.cli.options import (
     PHOTO_PATH,
@@ -54,6 +56,8 @@ def main() -> None:
 main.add_command(calibrate)
 main.add_command(bench)
 main.add_command(pair)
+main.add_command(bracket)
+main.add_command(merge)
 main.add_command(ocio_config)
 main.add_command(lint)
 main.add_command(batch)

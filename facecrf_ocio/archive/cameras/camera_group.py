@@ -10,13 +10,18 @@ from functools import lru_cache
 
 import numpy as np
 
-from facecrf_ocio.archive.cameras.bracket import Exposure
+from facecrf_ocio.archive.cameras.bracket import Exposure, stops_of
 from facecrf_ocio.archive.manifest.camera_rows import different_photos, exposed_photos
 from facecrf_ocio.archive.manifest.database import Manifest
 from facecrf_ocio.archive.walk import as_utf8
 from facecrf_ocio.joint import PhotoEvidence, conclude
+from facecrf_ocio.pair.bracket_curve import (
+    BracketCurve,
+    bracket_reasons,
+    rmse_after_scale,
+    solve_bracket,
+)
 from facecrf_ocio.pair.code_samples import read_samples
-from facecrf_ocio.pair.debevec import BracketCurve, rmse_after_scale, solve_bracket
 from facecrf_ocio.response.expected_stops import expected_of_sigma
 from facecrf_ocio.values import Confidence, Estimate, Float, InverseCRF, Outcome, Verdict
 
@@ -78,10 +83,8 @@ def exposures(
 
 
 def solve(members: tuple[Exposure, ...]) -> BracketCurve:
-    """Debevec's curve of a bracket."""
-    return solve_bracket(
-        [read_samples(one.samples) for one in members], [one.stops for one in members]
-    )
+    """The curve that a bracket gives."""
+    return solve_bracket([read_samples(one.samples) for one in members], stops_of(members))
 
 
 def bracket_estimate(
@@ -93,7 +96,7 @@ def bracket_estimate(
     shown = np.array(
         [np.interp(_levels(), np.linspace(0.0, 1.0, 256), row) for row in _hits(members)]
     )
-    reasons = [f"two halves of the points give curves {solved.halves:.3f} apart (RMSE)"]
+    reasons = list(bracket_reasons(solved))
     if camera is not None:
         error = rmse_after_scale(solved.found, camera.curve)
         reasons.append(
@@ -101,7 +104,7 @@ def bracket_estimate(
         )
     return Estimate(
         Outcome.CALIBRATED,
-        "debevec",
+        "bracket",
         f"a bracket of {len(members)} exposures over {solved.stops:.1f} stops",
         found=solved.found,
         confidence=Confidence(

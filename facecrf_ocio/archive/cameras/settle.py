@@ -41,7 +41,7 @@ from facecrf_ocio.archive.manifest.database import DONE, GATHERED, Manifest
 from facecrf_ocio.archive.manifest.keys import key_of
 from facecrf_ocio.archive.task import Result
 from facecrf_ocio.joint import misfit
-from facecrf_ocio.pair.debevec import rmse_after_scale
+from facecrf_ocio.pair.bracket_curve import rmse_after_scale
 from facecrf_ocio.together import MISFIT_LIMIT
 
 Reopened = Callable[[str, Result], None]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from facecrf_ocio.archive.manifest.damage import understanding
 from facecrf_ocio.archive.manifest.database import GATHERED, STARTED, WRITING, Manifest
 from facecrf_ocio.archive.manifest.keys import key_of, name_of_key
-from facecrf_ocio.archive.task import Shot
+from facecrf_ocio.photo.shot import Shot
 
 _PAGE = 500
 """Rows that are read at a time where rows are changed meanwhile."""

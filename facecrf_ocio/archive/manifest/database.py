@@ -17,10 +17,11 @@ from typing import Any
 from facecrf_ocio.archive.manifest.damage import telling, understanding
 from facecrf_ocio.archive.manifest.keys import folded, key_of, name_of_key
 from facecrf_ocio.archive.manifest.schema import VERSION, bring_up
-from facecrf_ocio.archive.task import Gathered, Output, Result, Shot
+from facecrf_ocio.archive.task import Gathered, Output, Result
 from facecrf_ocio.archive.walk import as_utf8
 from facecrf_ocio.errors import OutputError
 from facecrf_ocio.files.plain_text import plain_text
+from facecrf_ocio.photo.shot import Shot
 
 FILE = "facecrf-manifest.sqlite"
 UNSEEN = -1

@@ -29,9 +29,9 @@
     and `sigma`; empty if no member tells anything), `curve_sha256` (of the exact curve).
 `brackets`, one row a series of exposures of one scene
     `name` (key: its first photo), `camera`, `photos` (number), `stops` (from the shortest to the
-    longest exposure), `used` (1 if Debevec's curve is what its photos get), `reason` (why not),
+    longest exposure), `used` (1 if its curve is what its photos get), `reason` (why not),
     `halves` (RMSE between the curves of two halves of the points), `bend` (between those of half
-    and of double the smoothness), `residual` (RMS of log exposure), `covered` (share of code values
+    and of double the smoothness), `residual` (stops), `covered` (share of code values
     that points lie near), `rmse` (against the camera's curve after one free scale; -1 without
     one), `curve` (as above), `curve_sha256`.
 `outputs`, one row a written file, or one that is about to be

@@ -13,7 +13,6 @@ from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
-from facecrf_ocio.archive.cameras.shot import read_shot
 from facecrf_ocio.archive.cameras.told import face_json, told_before
 from facecrf_ocio.archive.task import FAILED, GATHER, Gathered, Output, Result, Task, Timing
 from facecrf_ocio.calibrate import SAME_CURVE, assumptions_of, calibrate
@@ -24,6 +23,7 @@ from facecrf_ocio.image.linearize import write_linear
 from facecrf_ocio.joint import gather
 from facecrf_ocio.pair.code_samples import take_samples
 from facecrf_ocio.photo.read import read_photo
+from facecrf_ocio.photo.shot import read_shot
 from facecrf_ocio.record.demand import Demand, demand
 from facecrf_ocio.record.outputs import write_outputs
 from facecrf_ocio.values import Estimate, Photo

@@ -6,8 +6,9 @@ import math
 import re
 from dataclasses import replace
 
-from facecrf_ocio.archive.task import FAILED, GATHER, Gathered, Output, Result, Shot, Task, Timing
+from facecrf_ocio.archive.task import FAILED, GATHER, Gathered, Output, Result, Task, Timing
 from facecrf_ocio.files.plain_text import plain_text
+from facecrf_ocio.photo.shot import Shot
 from facecrf_ocio.values import Outcome, Verdict
 
 _OUTCOMES = frozenset((FAILED, *map(str, Outcome)))

@@ -10,11 +10,10 @@ from archive_photos import ONE, exposed, table, write_face, write_picture
 from command_line import CommandLine
 
 from facecrf_ocio.archive.cameras.bracket import Exposure, find_brackets
-from facecrf_ocio.archive.cameras.shot import read_shot
-from facecrf_ocio.archive.task import Shot
 from facecrf_ocio.joint.prior import shipped_prior
+from facecrf_ocio.pair.bracket_curve import rmse_after_scale, solve_bracket
 from facecrf_ocio.pair.code_samples import COLUMNS, ROWS, read_samples, take_samples
-from facecrf_ocio.pair.debevec import rmse_after_scale, solve_bracket
+from facecrf_ocio.photo.shot import Shot, read_shot
 from facecrf_ocio.record.sidecar import read_sidecar
 from facecrf_ocio.response.model import dorf_model, inverse_crf, strictly_increasing
 from facecrf_ocio.synthetic import encode, gamma_curve
@@ -26,7 +25,7 @@ GRAY_RAMP = np.geomspace(0.004, 1.0, ROWS * COLUMNS).reshape(ROWS, COLUMNS)
 def scene():
     """(384, 512, 3) patches of one color each, over eight stops, in no order."""
     light = np.random.default_rng(2).permutation(GRAY_RAMP.ravel()).reshape(ROWS, COLUMNS)
-    tint = np.array([1.0, 0.8, 0.6])
+    tint = np.array([1.0, 0.9, 0.8])
     return np.repeat(np.repeat(light[..., None] * tint, 16, axis=0), 16, axis=1).astype(np.float32)
 
 
@@ -56,7 +55,7 @@ def responses():
         )
 
 
-@pytest.mark.parametrize(("stops", "least"), [((-2, -1, 0, 1, 2), 4), ((-2, 0, 2), 2)])
+@pytest.mark.parametrize(("stops", "least"), [((-2, -1, 0, 1, 2), 7), ((-2, 0, 2), 2)])
 def test_a_curve_that_is_used_is_near_the_truth(stops, least):
     mean = inverse_crf(dorf_model().grid, [dorf_model().mean] * 3)
     used, errors, of_mean = 0, [], []
@@ -67,8 +66,8 @@ def test_a_curve_that_is_used_is_near_the_truth(stops, least):
             errors.append(rmse_after_scale(solved.found, truth))
             of_mean.append(rmse_after_scale(mean, truth))
     assert used >= least
-    assert max(errors) < 0.035
-    assert np.median(errors) < 0.02 < np.median(of_mean)
+    assert max(errors) < 0.06
+    assert np.median(errors) < 0.03 < np.median(of_mean)
 
 
 def gray(stops, truth=None):
@@ -111,8 +110,19 @@ def test_exposures_of_one_scene_within_seconds_are_a_bracket():
     assert names(find_brackets(by_iso)) == [["0", "1", "2"]]
 
 
+def test_a_bracket_may_take_minutes_and_come_in_any_order_with_other_photos_between():
+    by_hand = exposures((2, -1, 0, 1, -2), seconds=(0, 40, 120, 200, 290))
+    other = exposures((0.5,), seconds=(60,), linear=scene()[:, ::-1].copy())
+    series = sorted([*by_hand, replace(other[0], name="other", sha256="other")], key=taken)
+    assert names(find_brackets(series)) == [["0", "1", "2", "3", "4"]]
+
+
+def taken(one):
+    return one.shot.taken
+
+
 def test_other_photos_are_no_bracket():
-    assert names(find_brackets(exposures((0, 1), seconds=(0, 60)))) == []
+    assert names(find_brackets(exposures((0, 1), seconds=(0, 300)))) == []
     assert names(find_brackets(exposures((0, 0.1)))) == []
     first, second = exposures((0, 1))
     flipped = exposures((0, 1), linear=scene()[::-1].copy())[1]
@@ -140,7 +150,7 @@ def test_exif_tells_exposure_time_and_picture_settings(tmp_path):
 
 
 @pytest.mark.slow
-def test_the_photos_of_a_bracket_get_debevec_s_curve_and_tell_how_far_it_is_from_the_estimate(
+def test_the_photos_of_a_bracket_get_its_curve_and_tell_how_far_it_is_from_the_estimate(
     capfd, tmp_path
 ):
     source, output = tmp_path / "photos", tmp_path / "luts"
@@ -159,7 +169,7 @@ def test_the_photos_of_a_bracket_get_debevec_s_curve_and_tell_how_far_it_is_from
     assert stops == pytest.approx(4.0, abs=0.01)
     told = read_sidecar(output / "ramp3.jpg.crf.json").estimate
     camera = read_sidecar(output / "face.jpg.crf.json").estimate
-    assert (told.estimator, camera.estimator) == ("debevec", "joint")
+    assert (told.estimator, camera.estimator) == ("bracket", "joint")
     assert rmse_after_scale(told.curve, camera.curve) == pytest.approx(rmse, abs=1e-6)
-    assert f"after one scale: {rmse:.3f}" in told.confidence.reasons[1]
+    assert f"after one scale: {rmse:.3f}" in told.confidence.reasons[2]
     assert rmse_after_scale(told.curve, gamma_curve(2.2)) < 0.02

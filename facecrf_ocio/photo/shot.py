@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
-from facecrf_ocio.archive.task import Shot
 from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.photo.picture import PhotoFile, open_picture
 
@@ -22,6 +22,27 @@ _TIMES = (
     ("Exif:DateTimeOriginal", "Exif:SubsecTimeOriginal"),
     ("Exif:DateTimeDigitized", "Exif:SubsecTimeDigitized"),
 )
+
+
+@dataclass(frozen=True, slots=True)
+class Shot:
+    """What EXIF tells of one exposure.
+
+    Attributes
+    ----------
+    style
+        Picture settings that change the response, as `name=value`; empty if none is told.
+    taken
+        [s] Since 1970 in the camera's own time zone.
+    exposure_s, aperture, iso
+        Exposure time [s], f-number, sensitivity. Everything not told is 0.
+    """
+
+    style: str = ""
+    taken: float = 0.0
+    exposure_s: float = 0.0
+    aperture: float = 0.0
+    iso: float = 0.0
 
 
 def read_shot(path: Path) -> Shot:

@@ -1,0 +1,122 @@
+"""`facecrf merge`: exposures of one scene in, one scene-linear EXR of all its light out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from facecrf_ocio.cli.bracket_command import solve, stops_option
+from facecrf_ocio.cli.options import PHOTO_PATH, exr_options
+from facecrf_ocio.cli.terminal import (
+    NOTHING,
+    complain,
+    ending_well,
+    one_line,
+    require_writable,
+    status,
+)
+from facecrf_ocio.errors import OutputError
+
+if TYPE_CHECKING:
+    from facecrf_ocio.pair.calibrate_bracket import BracketEstimate
+    from facecrf_ocio.values import Estimate
+
+
+@click.command()
+@click.argument("photos", nargs=-1, required=True, type=PHOTO_PATH, metavar="BRACKET...")
+@exr_options
+@stops_option
+@click.option(
+    "--curve",
+    "source",
+    default="auto",
+    show_default=True,
+    metavar="HOW",
+    help="bracket: its own; faces: estimated from faces in it; a record (.crf.json): that one's; "
+    "auto: the bracket's if it tells, else the faces'.",
+)
+@click.option("--still", is_flag=True, help="Nothing moved: use all photos everywhere.")
+@click.option("--overwrite", is_flag=True, help="Replace an existing EXR.")
+@ending_well
+def merge(
+    photos: tuple[Path, ...],
+    output: Path,
+    half: bool,
+    compression: str,
+    given: str | None,
+    source: str,
+    still: bool,
+    overwrite: bool,
+) -> int:
+    """Merge exposures of one scene into one scene-linear EXR.
+
+    Photos are aligned, exposures by EXIF are refined by the pixels, noise decides how much each
+    counts, and what moved is taken from the photo that shows most. 1 is that photo's white.
+    """
+    from facecrf_ocio import __version__, read_photo
+    from facecrf_ocio.files.atomic import require_free
+    from facecrf_ocio.image.apply import write_exr
+    from facecrf_ocio.pair.bracket_pixels import with_stops
+    from facecrf_ocio.pair.merge import merge_bracket, refined_stops
+
+    if output.suffix.lower() != ".exr":
+        raise OutputError(f"{output}: is not named as OpenEXR; give it the suffix .exr")
+    require_free(output, overwrite=overwrite)
+    require_writable(output.parent)
+    photos = tuple(dict.fromkeys(photos))
+    with status(f"merging {len(photos)} photos"):
+        solved = solve(photos, given)
+        estimate = _curve(source, photos, solved)
+        if estimate.found is None:
+            message = f"{photos[0]}: {estimate.outcome}: {estimate.reason}; {estimate.remedy}"
+            return complain(message, NOTHING)
+        own = estimate is solved.estimate
+        stops = solved.solved.refined if own else refined_stops(solved.bracket, estimate.found)
+        bracket = with_stops(solved.bracket, stops)
+        merged = merge_bracket(
+            lambda index: read_photo(photos[index]), bracket, estimate.found, still=still
+        )
+        relative = stops - stops[bracket.reference]
+        listed = ", ".join(f"{p.name} {s:+.2f}" for p, s in zip(photos, relative, strict=True))
+        write_exr(
+            output,
+            merged.linear,
+            replace(merged.reference, alpha=None),
+            provenance={
+                "outcome": str(estimate.outcome),
+                "estimator": estimate.estimator,
+                "bracket": listed,
+                "version": __version__,
+            },
+            half=half,
+            compression=compression,
+            overwrite=overwrite,
+        )
+    click.echo(one_line(f"{output}: {len(photos)} exposures, curve by {estimate.estimator}"))
+    for path, stop, gone in zip(photos, relative, merged.moved, strict=True):
+        click.echo(one_line(f"  {path.name}: {stop:+.2f} stops, {100.0 * gone:.1f} % moved"))
+    return 0
+
+
+def _curve(source: str, photos: tuple[Path, ...], solved: BracketEstimate) -> Estimate:
+    """The curve that was asked for, as an estimate; without one, why."""
+    from facecrf_ocio import calibrate_together, read_photo
+    from facecrf_ocio.record.sidecar import read_sidecar
+    from facecrf_ocio.values import Outcome
+
+    if source not in ("auto", "bracket", "faces"):
+        return read_sidecar(Path(source)).estimate
+    if source == "bracket" or (source == "auto" and solved.estimate.found is not None):
+        return solved.estimate
+    estimate = calibrate_together(read_photo(path) for path in photos).estimate
+    if estimate.outcome is Outcome.FALLBACK:
+        return replace(
+            solved.estimate if source == "auto" else estimate,
+            outcome=Outcome.NOT_CALIBRATED,
+            remedy="give a record of this camera: --curve NAME.crf.json",
+            found=None,
+        )
+    return estimate

@@ -1,0 +1,205 @@
+"""The response of a bracket: exposures of one scene, of which EXIF tells the ratios."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from facecrf_ocio.pair.exposure_fit import CODES, ExposureFit, fit_exposures
+from facecrf_ocio.pair.extrapolate import continued
+from facecrf_ocio.response.model import dorf_model, inverse_crf
+from facecrf_ocio.values import CHANNELS, Bool, Float, InverseCRF
+
+# Code values from which and up to which a point is neither drowned nor clipped in a photo.
+LOWEST, HIGHEST = 4, 249
+# Next to white some pixels of a patch are clipped already, and next to black some are drowned.
+_SURE_FROM, _SURE_TO = 6.0, 245.0
+_FEWEST = 100
+_NEAR = 8  # [code value] what a point says of its neighbors
+
+MIN_STOPS = 1.0
+MIN_COVERED = 0.88
+MAX_HALVES = 0.03
+MAX_BEND = 0.02
+MAX_RESIDUAL = 0.15
+"""[stop]"""
+MIN_KEPT = 0.6
+_FLOOR = 0.02  # [stop] deviation of the curves that passed, beyond what halves and smoothness tell
+_GUESSED = 0.3  # of the stops from the brightest point to white, which known responses bridge
+_STRETCH = 0.015  # of all stops: how far the camera's times may be stretched as a whole
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BracketCurve:
+    """What a bracket gives, and how far it can be trusted.
+
+    Attributes
+    ----------
+    found
+        The curve, None where too few points are neither drowned nor clipped.
+    sigma
+        (3, 4096) deviation of the curve, from what two halves of the points say.
+    stops
+        From the shortest to the longest exposure.
+    halves
+        RMSE between the curves of the halves.
+    bend
+        RMSE between the curves of half and of double the smoothness.
+    residual
+        [stop] Robust standard deviation of the log exposures that the curve leaves unexplained.
+    covered
+        Share of the code values from `LOWEST` to `HIGHEST` that some point lies near.
+    problem
+        Why the curve is not to be used, empty if it is.
+    refined
+        (J,) the exposures in stops, as the pixels have them.
+    """
+
+    found: InverseCRF | None
+    sigma: Float
+    stops: float
+    halves: float
+    bend: float
+    residual: float
+    covered: float
+    problem: str
+    refined: Float
+
+
+def solve_bracket(
+    samples: npt.ArrayLike,
+    stops: Sequence[float] | Float,
+    usable: Bool | None = None,
+) -> BracketCurve:
+    """Estimate the response of one bracket.
+
+    Parameters
+    ----------
+    samples
+        (J, N, 3) code values of each exposure at the same points, 0 to 255.
+    stops
+        log2 of each exposure; only differences matter.
+    usable
+        (J, N) which of them are to be used, besides being neither drowned nor clipped.
+    """
+    codes, given = np.asarray(samples, np.float64), np.asarray(stops, np.float64)
+    span = float(np.ptp(given))
+    clear = (codes.min(axis=2) >= LOWEST) & (codes.max(axis=2) <= HIGHEST)
+    clear = clear if usable is None else clear & usable
+    clear &= clear.sum(axis=0) >= 2
+    told = clear.any(axis=0)
+    if told.sum() < _FEWEST:
+        problem = "too few points are neither drowned nor clipped in two of its photos"
+        return BracketCurve(None, np.empty(0), span, 0.0, 0.0, 0.0, 0.0, problem, given)
+    codes, clear = codes[:, told], clear[:, told]
+    whole = fit_exposures(codes, clear, given)
+    covered, seen = _covered(codes, clear), _seen(codes, clear)
+    found = _curve(whole, seen)
+    one, other = (
+        _curve(fit_exposures(codes[:, half::2], clear[:, half::2], given, 1.0, whole), seen)
+        for half in (0, 1)
+    )
+    rough, smooth = (_curve(fit_exposures(codes, clear, given, s, whole), seen) for s in (0.5, 2.0))
+    halves, bend = _rmse(one, other), _rmse(rough, smooth)
+    apart = (_log_difference(one, other) / 2.0) ** 2 + _log_difference(rough, smooth) ** 2
+    depth = np.log2(np.maximum(found.linear, 2.0**-12))
+    unseen = np.array(
+        [[-np.interp(s[1] / 255.0, found.encoded, d)] for s, d in zip(seen, depth, strict=True)]
+    )
+    deviation = np.sqrt(
+        apart + _FLOOR**2 + (_STRETCH * depth) ** 2 + (_GUESSED * np.minimum(unseen, -depth)) ** 2
+    )
+    sigma = found.linear * np.log(2.0) * deviation
+    sigma[:, [0, -1]] = 0.0
+    problem = _problem(span, halves, bend, whole, covered)
+    return BracketCurve(
+        found, sigma, span, halves, bend, whole.residual, covered, problem, whole.stops
+    )
+
+
+def bracket_reasons(solved: BracketCurve) -> tuple[str, ...]:
+    """What tells of a bracket's curve how good it is, in sentences."""
+    return (
+        f"two halves of the points give curves {solved.halves:.3f} apart (RMSE)",
+        f"the exposures leave {solved.residual:.3f} stops of the points unexplained",
+    )
+
+
+def _problem(span: float, halves: float, bend: float, fit: ExposureFit, covered: float) -> str:
+    if span < MIN_STOPS:
+        return f"its exposures span {span:.1f} stops, fewer than {MIN_STOPS:g}"
+    if covered < MIN_COVERED:
+        return f"its points lie near {100.0 * covered:.0f} % of the code values, too few"
+    if fit.residual > MAX_RESIDUAL or fit.kept < MIN_KEPT:
+        return (
+            f"its photos do not agree with their exposures (residual {fit.residual:.2f} stops, "
+            f"{100.0 * (1.0 - fit.kept):.0f} % of the points far off)"
+        )
+    if halves > MAX_HALVES:
+        return f"two halves of its points give curves {halves:.3f} apart, too far"
+    if bend > MAX_BEND:
+        return f"its curve depends on how smooth it is asked to be, by {bend:.3f}, too much"
+    return ""
+
+
+def _seen(codes: Float, clear: Bool) -> list[tuple[float, float]]:
+    """[code value] between which a channel's points lie, without the few outermost."""
+    own = codes[clear]
+    return [
+        (
+            max(_SURE_FROM, float(np.quantile(own[:, c], 0.002))),
+            min(_SURE_TO, float(np.quantile(own[:, c], 0.998))),
+        )
+        for c in range(len(CHANNELS))
+    ]
+
+
+def _curve(fit: ExposureFit, seen: list[tuple[float, float]]) -> InverseCRF:
+    """Where points lie, what they say; below and above, as the nearest known response goes on."""
+    model, grid = dorf_model(), np.arange(CODES) / 255.0
+    rows = []
+    for light, (low, high) in zip(fit.light, seen, strict=True):
+        own = np.interp(model.grid, grid, np.maximum.accumulate(np.exp2(light)))
+        inside = (model.grid >= low / 255.0) & (model.grid <= high / 255.0)
+        known = continued(own, inside, model)
+        first, last = np.flatnonzero(inside)[[0, -1]]
+        own[:first] = known[:first] * own[first] / known[first]
+        own[last:] = known[last:] * own[last] / known[last]
+        rows.append((own - own[0]) / (own[-1] - own[0]))
+    return inverse_crf(model.grid, np.array(rows))
+
+
+def _log_difference(one: InverseCRF, other: InverseCRF) -> Float:
+    tiny = 2.0**-14
+    return np.asarray(np.log2(np.maximum(one.linear, tiny) / np.maximum(other.linear, tiny)))
+
+
+def _covered(codes: Float, clear: Bool) -> float:
+    """Share of the code values that a point lies near, in the channel where it is least."""
+    shares = []
+    for channel in range(len(CHANNELS)):
+        hit = np.zeros(CODES)
+        hit[np.rint(codes[clear][:, channel]).astype(np.intp)] = 1.0
+        near = np.convolve(hit, np.ones(2 * _NEAR + 1), mode="same") > 0
+        shares.append(float(near[LOWEST : HIGHEST + 1].mean()))
+    return min(shares)
+
+
+def _rmse(one: InverseCRF, other: InverseCRF) -> float:
+    """RMSE of two curves, after the scale of each channel that fits best: white is not seen."""
+    scale = (one.linear * other.linear).sum(axis=1) / (one.linear**2).sum(axis=1)
+    return float(np.sqrt(((scale[:, None] * one.linear - other.linear) ** 2).mean()))
+
+
+def rmse_after_scale(one: InverseCRF, other: InverseCRF) -> float:
+    """RMSE of two curves on 1,024 uniform code values, after the scale of `one` that fits best."""
+    grid = np.linspace(0.0, 1.0, 1024)
+    ours, theirs = (
+        np.stack([np.interp(grid, curve.encoded, row) for row in curve.linear])
+        for curve in (one, other)
+    )
+    scale = float((ours * theirs).sum() / (ours**2).sum())
+    return float(np.sqrt(((scale * ours - theirs) ** 2).mean()))

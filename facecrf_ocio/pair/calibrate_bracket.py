@@ -1,0 +1,125 @@
+"""Start here: exposures of one scene in, the camera's response out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.pair.bracket_curve import BracketCurve, bracket_reasons, solve_bracket
+from facecrf_ocio.pair.bracket_pixels import SmallBracket, flat_patches, small_bracket
+from facecrf_ocio.pair.exposure_grid import exposure_stops
+from facecrf_ocio.photo.shot import Shot
+from facecrf_ocio.response.expected_stops import expected_of_sigma
+from facecrf_ocio.values import Confidence, Estimate, Float, Outcome, Photo, Verdict
+
+_RELIABLE_RESIDUAL = 0.08  # [stop]
+_SAME_APERTURE = 1e-3
+_COVERAGE_BINS = 64
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BracketEstimate:
+    """The response of a camera by a bracket.
+
+    Attributes
+    ----------
+    estimate
+        As `calibrate` gives it; not calibrated where the bracket does not tell.
+    solved
+        What its figures are.
+    bracket
+        Its photos, aligned.
+    """
+
+    estimate: Estimate
+    solved: BracketCurve
+    bracket: SmallBracket
+
+
+def stops_by_exif(shots: Sequence[Shot], photos: Sequence[Photo] | None = None) -> Float:
+    """(J,) exposures of a bracket by EXIF.
+
+    Raises
+    ------
+    PhotoError
+        If a photo does not tell its exposure time, or all have the same exposure.
+    """
+    for number, shot in enumerate(shots):
+        if shot.exposure_s <= 0.0:
+            path = photos[number].path if photos else None
+            raise PhotoError(
+                path, "does not tell its exposure time", "give the exposures with --stops"
+            )
+    return exposure_stops(
+        [s.exposure_s for s in shots], [s.aperture for s in shots], [s.iso for s in shots]
+    )
+
+
+def calibrate_bracket(
+    photos: Iterable[Photo], stops: Float, *, center_only: bool = False
+) -> BracketEstimate:
+    """Find the inverse camera response from exposures of one scene.
+
+    Parameters
+    ----------
+    photos
+        One after the other; only small versions are kept.
+    stops
+        (J,) log2 of their exposures.
+    center_only
+        Whether f-numbers differ, which changes how a lens darkens corners.
+    """
+    bracket = small_bracket(photos, stops)
+    codes, usable = flat_patches(bracket, center_only=center_only)
+    solved = solve_bracket(codes, stops, usable)
+    if solved.problem or solved.found is None:
+        return BracketEstimate(_not_calibrated(solved), solved, bracket)
+    reliable = solved.residual <= _RELIABLE_RESIDUAL
+    estimate = Estimate(
+        Outcome.CALIBRATED,
+        "bracket",
+        f"a bracket of {len(bracket.images)} exposures over {solved.stops:.1f} stops, "
+        f"residual {solved.residual:.3f} stops",
+        found=solved.found,
+        confidence=Confidence(
+            solved.sigma,
+            _coverage(codes, usable, solved),
+            Verdict.RELIABLE if reliable else Verdict.WEAK,
+            bracket_reasons(solved),
+            expected_of_sigma(solved.found, solved.sigma),
+        ),
+        assumptions=(
+            "linear light is relative: 1 is what the highest code stands for",
+            "the camera's exposures are not stretched as a whole: one stop is one stop",
+        ),
+    )
+    return BracketEstimate(estimate, solved, bracket)
+
+
+def apertures_differ(shots: Sequence[Shot]) -> bool:
+    """Whether photos of a bracket were taken with different f-numbers."""
+    return bool(np.ptp([shot.aperture for shot in shots]) > _SAME_APERTURE)
+
+
+def _not_calibrated(solved: BracketCurve) -> Estimate:
+    return Estimate(
+        Outcome.NOT_CALIBRATED,
+        "bracket",
+        f"the photos give no curve: {solved.problem}",
+        "shoot from a tripod with all settings fixed but the time, one stop apart, from nearly "
+        "black to nearly white",
+    )
+
+
+def _coverage(codes: Float, usable: np.typing.NDArray[np.bool_], solved: BracketCurve) -> Float:
+    if solved.found is None:
+        return np.empty(0)
+    centers = (np.arange(_COVERAGE_BINS) + 0.5) / _COVERAGE_BINS
+    rows = []
+    for channel in range(3):
+        counts, _ = np.histogram(codes[usable][:, channel] / 255.0, _COVERAGE_BINS, (0.0, 1.0))
+        rows.append(np.interp(solved.found.encoded, centers, counts / max(counts.max(), 1)))
+    return np.array(rows)

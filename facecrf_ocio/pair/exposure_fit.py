@@ -1,0 +1,209 @@
+"""Fit code values of one scene at several exposures: one response, one light a point.
+
+The objective is that of Debevec and Malik (SIGGRAPH 1997, eq. 3), with what real brackets need
+besides: the response is a spline, residuals count in units of what noise of one code does there
+and by Tukey's biweight, and the exposures may depart from the camera's grid.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from facecrf_ocio.values import CHANNELS, Bool, Float, Index
+
+CODES = 256
+_SEGMENTS, _DEGREE = 16, 3
+_SIZE = _SEGMENTS + _DEGREE
+_ROUNDS, _FEW_ROUNDS = 6, 2
+_TUKEY = 4.685  # 95 % efficient for Gaussian residuals
+_CODE_NOISE = 0.6  # [code value] of the mean of a small patch, with what JPEG does to it
+_FLOOR = 0.012  # [stop] what points differ by at best: flicker, shutters, rounding of JPEG's blocks
+_SHUTTER = 0.02  # [stop] standard deviation of one exposure from its place on the grid
+_EXACT = 1e4  # [1/stop] how firmly it is held that exposures are not stretched as a whole
+_BEND = 0.3  # [stop] standard deviation of a second difference of the spline's coefficients
+_LEAST_SLOPE = 0.2  # [stop / full range] while slopes turn codes into stops
+_FEWEST_SPREAD = 0.25  # of a residual: a perfect fit leaves no scale to judge by
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ExposureFit:
+    """What one system of equations gives.
+
+    Attributes
+    ----------
+    light
+        (3, 256) log2 of light at each code value, up to one constant a channel; it means something
+        only where there were points.
+    stops
+        (J,) the exposures, near those given.
+    residual
+        [stop] Robust standard deviation of what the fit leaves of a point.
+    kept
+        Share of the values that were not set aside as moved, textured or otherwise wrong.
+    solution
+        All unknowns, for another fit to start from.
+    """
+
+    light: Float
+    stops: Float
+    residual: float
+    kept: float
+    solution: Float
+
+
+def fit_exposures(
+    codes: Float,
+    usable: Bool,
+    stops: Float,
+    smoothness: float = 1.0,
+    start: ExposureFit | None = None,
+) -> ExposureFit:
+    """Solve for the response, the light of all points and the departures of the exposures.
+
+    Parameters
+    ----------
+    codes
+        (J, N, 3) code values of N points in J exposures, 0 to 255.
+    usable
+        (J, N) which of them are neither clipped nor drowned; each point in two exposures or more.
+    stops
+        (J,) log2 of the exposures. A factor common to all their differences cannot be told from
+        the response's exponent, so it is held.
+    smoothness
+        Factor on the weight of the spline's second differences.
+    start
+        A fit of the same bracket, from which this one needs fewer rounds.
+    """
+    values = _values(codes, usable)
+    prior, right = _prior(stops, smoothness)
+    solution = np.empty(0) if start is None else start.solution
+    for _ in range(_ROUNDS if start is None else _FEW_ROUNDS):
+        weights = _weights(values, solution)[0] if solution.size else values.even
+        centered = [
+            _centered(a, w, values.first) for a, w in zip(values.rows, weights, strict=True)
+        ]
+        solution = np.linalg.solve(prior + _normal(centered, weights, len(stops)), right)
+    raw, kept = _weights(values, solution)[1:]
+    grid = np.arange(CODES) / 255.0
+    light = np.array([_spline(solution, c)(grid) for c in range(len(CHANNELS))])
+    return ExposureFit(light, solution[len(CHANNELS) * _SIZE :], raw, kept, solution)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Values:
+    """All usable values, those of a point one after another.
+
+    `codes` (3, V); `rows` of each channel (V, unknowns): the spline's basis there, and minus 1 for
+    the exposure; `first` (N,) place of each point's first value.
+    """
+
+    codes: Float
+    rows: tuple[Float, ...]
+    first: Index
+
+    @property
+    def even(self) -> Float:
+        return np.ones(self.codes.shape)
+
+
+def _values(codes: Float, usable: Bool) -> _Values:
+    point, shot = np.nonzero(usable.T)
+    chosen = codes[shot, point].T
+    exposure = -np.eye(len(codes))[shot]
+    rows = []
+    for one in chosen:
+        basis = BSpline.design_matrix(np.clip(one / 255.0, 0.0, 1.0), _knots(), _DEGREE)
+        rows.append(np.hstack([basis.toarray(), exposure]))
+    return _Values(chosen, tuple(rows), np.flatnonzero(np.diff(point, prepend=-1)))
+
+
+def _weights(values: _Values, solution: Float) -> tuple[Float, float, float]:
+    """(3, V) weights by Tukey's biweight, [stop] residual, and the share that is not set aside.
+
+    A point is judged by its worst channel and shot: what moved or is textured is wrong in all.
+    """
+    spread = np.array([_spread(one, solution, c) for c, one in enumerate(values.codes)])
+    predicted = np.array([a @ _of_channel(solution, c) for c, a in enumerate(values.rows)])
+    weight = 1.0 / spread**2
+    residual = np.array(
+        [
+            _centered(p[:, None], w, values.first)[:, 0]
+            for p, w in zip(predicted, weight, strict=True)
+        ]
+    )
+    standard = np.sqrt(((residual / spread) ** 2).mean(axis=0))
+    scale = max(float(np.median(standard)), _FEWEST_SPREAD)
+    tukey = np.clip(1.0 - (standard / (_TUKEY * scale)) ** 2, 0.0, 1.0) ** 2
+    return weight * tukey / scale**2, _robust(residual), float((tukey > 0.0).mean())
+
+
+def _centered(rows: Float, weights: Float, first: Index) -> Float:
+    """Rows less their weighted mean over each point, which takes out the point's own light.
+
+    Rows of a point follow each other; `first` holds the place of its first.
+    """
+    sums = np.add.reduceat(rows * weights[:, None], first)
+    total = np.maximum(np.add.reduceat(weights, first), 1e-9)
+    count = np.diff(first, append=len(rows))
+    return np.asarray(rows - np.repeat(sums / total[:, None], count, axis=0))
+
+
+def _normal(rows: list[Float], weights: Float, shots: int) -> Float:
+    """Sum of the channels' normal equations, each with a spline of its own."""
+    size = len(CHANNELS) * _SIZE + shots
+    total = np.zeros((size, size))
+    for channel, (a, w) in enumerate(zip(rows, weights, strict=True)):
+        place = _places(channel, size)
+        total[np.ix_(place, place)] += (a * w[:, None]).T @ a
+    return total
+
+
+def _prior(stops: Float, smoothness: float) -> tuple[Float, Float]:
+    """Smooth splines, 0 in mid-range; exposures near those given, and not stretched as a whole."""
+    size = len(CHANNELS) * _SIZE + len(stops)
+    matrix, right = 1e-9 * np.eye(size), np.zeros(size)
+    second = np.diff(np.eye(_SIZE), 2, axis=0) / _BEND
+    middle = BSpline.design_matrix(np.array([0.5]), _knots(), _DEGREE).toarray()[0]
+    one = smoothness * second.T @ second + _EXACT**2 * np.outer(middle, middle)
+    for channel in range(len(CHANNELS)):
+        place = slice(channel * _SIZE, (channel + 1) * _SIZE)
+        matrix[place, place] += one
+    offset = stops - stops.mean()
+    fixed = [np.ones(len(stops)), offset / max(float(np.linalg.norm(offset)), 1e-9)]
+    precision = np.eye(len(stops)) / _SHUTTER**2
+    precision += _EXACT**2 * sum(np.outer(one, one) for one in fixed)
+    last = slice(len(CHANNELS) * _SIZE, size)
+    matrix[last, last] += precision
+    right[last] = precision @ stops
+    return matrix, right
+
+
+def _spread(codes: Float, solution: Float, channel: int) -> Float:
+    """[stop] what noise does to each value."""
+    slope = _spline(solution, channel).derivative()(codes / 255.0)
+    return np.asarray(np.hypot(_FLOOR, np.maximum(slope, _LEAST_SLOPE) * _CODE_NOISE / 255.0))
+
+
+def _knots() -> Float:
+    inner = np.linspace(0.0, 1.0, _SEGMENTS + 1)
+    return np.concatenate([np.zeros(_DEGREE), inner, np.ones(_DEGREE)])
+
+
+def _spline(solution: Float, channel: int) -> BSpline:
+    return BSpline(_knots(), solution[channel * _SIZE : (channel + 1) * _SIZE], _DEGREE)
+
+
+def _places(channel: int, size: int) -> Index:
+    own = np.arange(channel * _SIZE, (channel + 1) * _SIZE)
+    return np.concatenate([own, np.arange(len(CHANNELS) * _SIZE, size)])
+
+
+def _of_channel(solution: Float, channel: int) -> Float:
+    return np.asarray(solution[_places(channel, solution.size)])
+
+
+def _robust(values: Float) -> float:
+    return float(1.4826 * np.median(np.abs(values)))

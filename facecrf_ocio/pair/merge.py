@@ -1,0 +1,146 @@
+"""Exposures of one scene and their curve in, one linear image of all its light out.
+
+Each photo's light counts by the inverse of its variance: noise of a code through the curve's slope,
+and photon noise (Mann and Picard, 1995; Granados et al., CVPR 2010). What moved is taken from the
+reference, photo by photo outward in exposure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from facecrf_ocio.pair.bracket_pixels import SmallBracket, flat_patches, warped
+from facecrf_ocio.values import Bool, Float, InverseCRF, Photo
+
+Image = npt.NDArray[np.float32]
+
+_CODE = 1.0 / 255.0
+_CODE_NOISE = 1.0 * _CODE  # of a pixel of an 8-bit JPEG
+_PHOTON = 2e-4  # variance of light 1 at white: a signal-to-noise ratio of 70, a small sensor's
+_READ = 4e-6  # variance of light 0: a deviation of 1/500 of white, as small sensors have
+# A pixel counts fully between these codes, and not at all below and above the outer ones.
+_DARK, _BRIGHT = (2.0 * _CODE, 8.0 * _CODE), (244.0 * _CODE, 252.0 * _CODE)
+_LAST = 1e-6  # weight of what no photo shows well, in the one that shows it best
+_MOVED, _TEXTURED = 6.0 * _CODE, 0.4  # codes, and of the local range, that are no movement
+_BOX, _GROWN = 5, 9  # [px]
+_TABLE = 4096
+_FARTHEST = 0.35  # [stop] of an exposure from what EXIF says
+_FEWEST = 30
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Merged:
+    """One image of a bracket.
+
+    Attributes
+    ----------
+    linear
+        (H, W, 3) light in units of the reference's white; above 1 where it was clipped.
+    reference
+        The photo whose frame and moving things it shows.
+    moved
+        For each photo, the share of its pixels that was set aside as moved.
+    """
+
+    linear: Image
+    reference: Photo
+    moved: tuple[float, ...]
+
+
+def merge_bracket(
+    read: Callable[[int], Photo], bracket: SmallBracket, curve: InverseCRF, *, still: bool = False
+) -> Merged:
+    """Merge photos one after another, so that two of them are in memory and no more.
+
+    Parameters
+    ----------
+    read
+        Gives a photo by its index in the bracket.
+    bracket
+        Movements and exposures of the photos.
+    curve
+        The camera's inverse response.
+    still
+        Trust that nothing moved.
+    """
+    stops = bracket.stops - bracket.stops[bracket.reference]
+    order = np.argsort(np.abs(stops), kind="stable")
+    reference = read(bracket.reference)
+    total = np.zeros(reference.encoded.shape, np.float32)
+    weight, moved = np.zeros_like(total), np.zeros(len(stops))
+    for index in order:
+        photo = reference if index == bracket.reference else read(int(index))
+        codes = warped(photo.encoded, bracket.warps[index])
+        share = _weights(codes, curve, stops, int(index))
+        if index != bracket.reference and not still:
+            gone = _moved(codes, total, weight, curve, float(stops[index]))
+            moved[index] = gone.mean()
+            share[gone] = 0.0
+        total += share * curve.linearize(codes) * np.float32(2.0 ** -stops[index])
+        weight += share
+    unseen = weight <= 0.0
+    linear = np.where(unseen, curve.linearize(reference.encoded), total / np.maximum(weight, 1e-30))
+    return Merged(linear.astype(np.float32), reference, tuple(map(float, moved)))
+
+
+def refined_stops(bracket: SmallBracket, curve: InverseCRF, *, center_only: bool = False) -> Float:
+    """(J,) exposures as the pixels have them, by a curve that is known.
+
+    Each is judged against its neighbor by patches that both show; an exposure of which they say
+    nothing, or nothing likely, stays what it was.
+    """
+    codes, usable = flat_patches(bracket, center_only=center_only)
+    light = np.log2(np.maximum(curve.linearize(codes / 255.0), 1e-6)).mean(axis=2)
+    order = np.argsort(bracket.stops, kind="stable")
+    refined = bracket.stops.astype(np.float64).copy()
+    for low, high in pairwise(order):
+        both = usable[low] & usable[high]
+        told = float(bracket.stops[high] - bracket.stops[low])
+        found = float(np.median(light[high, both] - light[low, both])) if both.any() else told
+        if both.sum() < _FEWEST or abs(found - told) > _FARTHEST:
+            found = told
+        refined[high] = refined[low] + found
+    return refined
+
+
+def _weights(codes: Image, curve: InverseCRF, stops: Float, index: int) -> Image:
+    """Inverse variance of each pixel's light; outside of a moved photo nothing."""
+    slope = np.gradient(curve.linear, curve.encoded, axis=1)
+    variance = (slope * _CODE_NOISE) ** 2 + _PHOTON * curve.linear + _READ
+    grid = np.linspace(0.0, 1.0, _TABLE)
+    place = np.rint(np.clip(codes, 0.0, 1.0) * (_TABLE - 1)).astype(np.intp)
+    weight = np.empty_like(codes)
+    for channel in range(3):
+        table = 4.0 ** stops[index] / np.interp(grid, curve.encoded, variance[channel])
+        weight[..., channel] = table[place[..., channel]]
+    dark, bright = codes.min(axis=2), codes.max(axis=2)
+    low = np.clip((dark - _DARK[0]) / (_DARK[1] - _DARK[0]), 0.0, 1.0)
+    high = np.clip((_BRIGHT[1] - bright) / (_BRIGHT[1] - _BRIGHT[0]), 0.0, 1.0)
+    if index == int(np.argmax(stops)):
+        low = np.maximum(low, _LAST)
+    if index == int(np.argmin(stops)):
+        high = np.maximum(high, _LAST)
+    inside = dark >= 0.0
+    weight *= (low * high * inside)[..., None]
+    return weight
+
+
+def _moved(codes: Image, total: Image, weight: Image, curve: InverseCRF, stops: float) -> Bool:
+    """Where a photo shows something else than what was merged so far, grown by a few pixels."""
+    known = (weight > 0.0).all(axis=2)
+    light = total / np.maximum(weight, np.float32(1e-30)) * np.float32(2.0**stops)
+    expected = curve.encode(light)
+    judged = known & (codes.min(axis=2) > _DARK[1]) & (codes.max(axis=2) < _BRIGHT[0])
+    judged |= known & (np.abs(expected - np.clip(codes, 0, 1)).max(axis=2) > 8 * _MOVED)
+    off = np.abs(cv2.blur(expected - codes, (_BOX, _BOX))).max(axis=2)
+    kernel = np.ones((3, 3), np.uint8)
+    span = (cv2.dilate(codes, kernel) - cv2.erode(codes, kernel)).max(axis=2)
+    found = (judged & (off > _MOVED + _TEXTURED * span)).astype(np.uint8)
+    found = cv2.morphologyEx(found, cv2.MORPH_OPEN, kernel)
+    return np.asarray(cv2.dilate(found, np.ones((_GROWN, _GROWN), np.uint8)) > 0, np.bool_)

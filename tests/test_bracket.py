@@ -1,0 +1,100 @@
+"""One bracket by hand: real stacks against curves found independently, and what stops it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from archive_photos import exposed, write_picture
+from command_line import CommandLine
+
+from facecrf_ocio.pair.bracket_curve import solve_bracket
+from facecrf_ocio.record.sidecar import read_sidecar
+from facecrf_ocio.synthetic import encode, gamma_curve
+
+CODES = np.arange(32, 236) / 255.0
+
+
+def points(stops, curve, seed=0):
+    """(J, 600, 3) code values, with noise of half a code, of light over ten stops."""
+    generator = np.random.default_rng(seed)
+    light = np.exp2(generator.uniform(-9.0, 1.0, (600, 1))) * np.array([1.0, 0.9, 0.8])
+    shots = [encode(np.clip(light * 2.0**s, 0, 1), curve) * 255.0 for s in stops]
+    return [np.rint(s + generator.normal(0, 0.5, s.shape)).clip(0, 255) for s in shots]
+
+
+def stops_off(found, truth_light, channel=1):
+    """[stop] RMS over codes 32 to 235, after the one free factor."""
+    mine = np.log2(np.interp(CODES, found.encoded, found.linear[channel]))
+    return float(np.std(mine - np.log2(truth_light)))
+
+
+def test_a_known_response_is_found_to_a_hundredth_of_a_stop():
+    truth, stops = gamma_curve(2.2), (-3.0, -1.5, 0.0, 1.5)
+    solved = solve_bracket(points(stops, truth), stops)
+    assert solved.problem == ""
+    assert stops_off(solved.found, np.interp(CODES, truth.encoded, truth.linear[1])) < 0.02
+    assert solved.residual < 0.1
+
+
+def test_an_exposure_that_is_off_its_grid_is_refined():
+    truth, told = gamma_curve(2.2), (-3.0, -2.0, -1.0, 0.0, 1.0)
+    real = (-3.0, -2.0, -0.92, 0.0, 1.0)
+    solved = solve_bracket(points(real, truth), told)
+    assert solved.refined[2] - told[2] > 0.05
+    assert np.abs(np.delete(solved.refined - told, 2)).max() < 0.04
+
+
+def test_points_that_moved_are_set_aside():
+    truth, stops = gamma_curve(2.2), (-3.0, -1.5, 0.0, 1.5)
+    shots = points(stops, truth)
+    shots[1][:90] = shots[1][:90][::-1]
+    solved = solve_bracket(shots, stops)
+    assert stops_off(solved.found, np.interp(CODES, truth.encoded, truth.linear[1])) < 0.03
+
+
+@pytest.mark.slow
+def test_a_real_stack_gives_the_curve_found_independently(capfd, tmp_path, development_data):
+    stack = development_data / "stacks" / "canon_5d_corridor"
+    stored = development_data / "crf" / "modern_stacks.npz"
+    if not stored.exists() or not stack.exists():
+        pytest.skip("the stacks are not beside the checkout")
+    photos = sorted(stack.glob("*.jpg"))[::2]
+    ended = CommandLine(capfd)("bracket", *photos, "-o", tmp_path, "--formats", "spi1d")
+    assert ended.code == 0, ended.err
+    told = read_sidecar(tmp_path / f"{photos[0].stem}.crf.json").estimate
+    with np.load(stored) as curves:
+        place = list(curves["names"]).index("Canon EOS 5D (exposure stacks)")
+        truth = np.interp(CODES, np.linspace(0, 1, 1024), curves["inverse"][place, 1])
+    assert stops_off(told.curve, truth) < 0.06
+
+
+class TestBadInput:
+    def picture(self, path, size, **said):
+        linear = np.tile(np.linspace(0.01, 0.9, size, dtype=np.float32)[None, :, None], (40, 1, 3))
+        return write_picture(path, linear, **said)
+
+    def test_one_photo(self, capfd, tmp_path):
+        one = self.picture(tmp_path / "a.jpg", 60, **exposed(0, 0.0))
+        ended = CommandLine(capfd)("bracket", one, "-o", tmp_path / "out")
+        assert ended.code == 3
+        assert "is one photo, and no bracket" in ended.err
+
+    def test_mixed_sizes(self, capfd, tmp_path):
+        photos = [
+            self.picture(tmp_path / f"{n}.jpg", 60 + 8 * n, **exposed(n, n)) for n in range(2)
+        ]
+        ended = CommandLine(capfd)("bracket", *photos, "-o", tmp_path / "out")
+        assert ended.code == 3
+        assert "has 68 x 40 pixels, the photos before it 60 x 40" in ended.err
+
+    def test_no_exposure_told(self, capfd, tmp_path):
+        photos = [self.picture(tmp_path / f"{n}.jpg", 60) for n in range(2)]
+        ended = CommandLine(capfd)("bracket", *photos, "-o", tmp_path / "out")
+        assert ended.code == 3
+        assert "does not tell its exposure time; give the exposures with --stops" in ended.err
+
+    def test_all_alike(self, capfd, tmp_path):
+        photos = [self.picture(tmp_path / f"{n}.jpg", 200) for n in range(2)]
+        ended = CommandLine(capfd)("bracket", *photos, "--stops", "0,0.2", "-o", tmp_path / "out")
+        assert ended.code == 4
+        assert not (tmp_path / "out").exists()
