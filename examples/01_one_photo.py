@@ -1,4 +1,9 @@
-"""One photo: estimate its curve, write it for OCIO, and look at what it makes of middle gray."""
+"""
+One photo
+=========
+
+Estimate its curve, write it for OCIO, and look at what it makes of middle gray.
+"""
 
 from pathlib import Path
 from tempfile import mkdtemp

@@ -1,4 +1,9 @@
-"""OpenColorIO: a photo's LUT in a FileTransform, applied to the whole photo."""
+"""
+OpenColorIO in Python
+=====================
+
+A photo's LUT in a FileTransform, applied to the whole photo.
+"""
 
 import tempfile
 from pathlib import Path

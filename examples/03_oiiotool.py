@@ -1,4 +1,9 @@
-"""oiiotool: a photo through its LUT into an EXR, as a shell script would do it."""
+"""
+oiiotool
+========
+
+A photo through its LUT into an EXR, as a shell script would do it.
+"""
 
 import shutil
 import subprocess

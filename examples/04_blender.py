@@ -1,4 +1,8 @@
-"""Blender without a window: a photo linearized by the extension's own nodes and rendered.
+"""
+Blender without a window
+========================
+
+A photo linearized by the extension's own nodes and rendered.
 
 Blender has an environment of its own: `python3.11 -m venv ENV; ENV/bin/pip install bpy==5.0.1`,
 then set BLENDER_PYTHON=ENV/bin/python (or put it where the tests keep theirs).

@@ -1,4 +1,9 @@
-"""An OpenColorIO config for two photos, and a pixel sent through it."""
+"""
+A config for two photos
+=======================
+
+An OpenColorIO config for two photos, and a pixel sent through it.
+"""
 
 import tempfile
 from pathlib import Path

@@ -1,4 +1,9 @@
-"""ICC: a photo through its input profile to linear light, by littleCMS in Pillow."""
+"""
+ICC profiles
+============
+
+A photo through its input profile to linear light, by littleCMS in Pillow.
+"""
 
 import tempfile
 from pathlib import Path

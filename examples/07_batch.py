@@ -1,4 +1,9 @@
-"""A folder of photos: batch, verify, and what was found in the manifest."""
+"""
+A folder of photos
+==================
+
+Batch, verify, and what was found in the manifest.
+"""
 
 import shutil
 import sqlite3

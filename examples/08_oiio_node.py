@@ -1,4 +1,9 @@
-"""OpenImageIO node: an ImageBuf through a photo's LUT, half-float out, tagged as linear."""
+"""
+OpenImageIO node
+================
+
+An ImageBuf through a photo's LUT, half-float out, tagged as linear.
+"""
 
 import sys
 import tempfile

@@ -1,9 +1,11 @@
-"""Draw examples/images/comp.png: defocus and exposure, in code values and in linear light.
+"""Draw docs/images/comp.jpg: the same rack focus, in code values and in linear light.
 
 `python examples/make_comp_picture.py [FOLDER]`. The photo is matplotlib's portrait of Grace Hopper
-(US Navy, public domain). Four small lamps, eight times as bright as the photo's white, are added to
-the linear photo; in the encoded one they can be no brighter than white. Both are then defocused by
-a round aperture and underexposed by two stops, as a camera would, and shown with the photo's curve.
+(US Navy, public domain). Behind her the room goes dark and out of focus, with lamps that are many
+times as bright as the photo's white; she is lit a stop less, and the lens glows a little. Both
+pictures are made by the same four operations. On the left they work on code values, which hold no
+more than white; on the right on the linear light that the photo's curve gives, which is then
+encoded by that curve again.
 """
 
 from __future__ import annotations
@@ -19,47 +21,88 @@ from matplotlib.figure import Figure
 
 from facecrf_ocio import calibrate, read_photo
 
-RADIUS = 9  # of the aperture's disk, pixels
-STOPS = -2.0
-LAMPS = ((90, 60), (70, 430), (210, 470), (230, 40))
-LAMP_LIGHT = 8.0  # photo's white is 1
+RADIUS = 26  # of the aperture's disk, pixels
+ROOM = 0.16  # the room's light, times what it was
+KEY = 0.62  # hers
+GLOW = 0.06  # share of light that the lens spreads
+# Lamps in the room: warm ones mostly; photo's white is 1.
+LAMP_COLORS = np.array([(1.0, 0.56, 0.2), (1.0, 0.72, 0.42), (0.35, 0.6, 1.0), (1.0, 0.25, 0.18)])
+SCALE = 2  # drawn larger than the photo, so that disks are round
+GROUND = "#141414"
 
 
-def defocused(image: np.ndarray) -> np.ndarray:
+def disk_blur(image: np.ndarray, radius: int) -> np.ndarray:
     """Convolve with a disk, which is what a lens out of focus does to light."""
-    y, x = np.mgrid[-RADIUS : RADIUS + 1, -RADIUS : RADIUS + 1]
-    disk = (x**2 + y**2 <= RADIUS**2).astype(np.float32)
-    return cv2.filter2D(image, -1, disk / disk.sum(), borderType=cv2.BORDER_REPLICATE)
+    y, x = np.mgrid[-radius : radius + 1, -radius : radius + 1]
+    disk = (x**2 + y**2 <= radius**2).astype(np.float32)
+    return cv2.filter2D(image, -1, disk / disk.sum(), borderType=cv2.BORDER_REFLECT)
 
 
-def with_lamps(image: np.ndarray, light: float) -> np.ndarray:
-    lit = image.copy()
-    for row, column in LAMPS:
-        cv2.circle(lit, (column, row), 3, (light, light, light), -1)
-    return lit
+def person(codes: np.ndarray) -> np.ndarray:
+    """(H, W, 1) share of each pixel that is hers, by OpenCV's GrabCut."""
+    small = (255 * codes).astype(np.uint8)
+    height, width = small.shape[:2]
+    mask = np.full((height, width), cv2.GC_PR_BGD, np.uint8)
+    center = (width * 52 // 100, height * 36 // 100)
+    cv2.ellipse(mask, center, (width * 21 // 100, height * 29 // 100), 0, 0, 360, cv2.GC_PR_FGD, -1)
+    mask[height * 62 // 100 :, width * 5 // 100 : width * 96 // 100] = cv2.GC_PR_FGD
+    cv2.ellipse(mask, center, (width * 13 // 100, height * 21 // 100), 0, 0, 360, cv2.GC_FGD, -1)
+    mask[height * 80 // 100 :, width * 30 // 100 : width * 75 // 100] = cv2.GC_FGD
+    mask[: height * 4 // 100] = mask[: height // 2, : width * 12 // 100] = cv2.GC_BGD
+    mask[: height // 2, width * 88 // 100 :] = cv2.GC_BGD
+    models = np.zeros((2, 1, 65))
+    bgr = small[..., ::-1].copy()
+    cv2.grabCut(bgr, mask, None, models[0], models[1], 6, cv2.GC_INIT_WITH_MASK)
+    inside = np.isin(mask, (cv2.GC_FGD, cv2.GC_PR_FGD)).astype(np.uint8)
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (15, 15))
+    inside = cv2.morphologyEx(
+        cv2.morphologyEx(inside, cv2.MORPH_CLOSE, kernel), cv2.MORPH_OPEN, kernel
+    )
+    return cv2.GaussianBlur(inside.astype(np.float32), (0, 0), 2.0)[..., None]
+
+
+def lamps(shape: tuple[int, ...]) -> np.ndarray:
+    """(H, W, 3) light of small lamps, six to sixty times the photo's white."""
+    rng = np.random.default_rng(5)
+    light = np.zeros(shape, np.float32)
+    for _ in range(64):
+        x, y = rng.uniform(0, shape[1]), rng.uniform(0, shape[0] * 0.85)
+        color = LAMP_COLORS[rng.choice(4, p=(0.45, 0.35, 0.12, 0.08))] * rng.uniform(6, 60)
+        cv2.circle(light, (int(x), int(y)), 3, tuple(map(float, color)), -1)
+    return light
+
+
+def composite(plate: np.ndarray, matte: np.ndarray, light: np.ndarray) -> np.ndarray:
+    """Room darkened, lamps added, defocused; her over it; glow. The same for both pictures."""
+    empty = cv2.GaussianBlur(plate * (1 - matte), (0, 0), 30) / np.maximum(
+        cv2.GaussianBlur(1 - matte, (0, 0), 30)[..., None], 0.02
+    )
+    room = disk_blur(np.where(matte > 0.02, empty, plate) * ROOM + light, RADIUS)
+    over = plate * KEY * matte + room * (1 - matte)
+    return (1 - GLOW) * over + GLOW * cv2.GaussianBlur(over, (0, 0), 40)
 
 
 def main(folder: Path) -> Path:
     photo = read_photo(matplotlib.cbook.get_sample_data("grace_hopper.jpg", asfileobj=False))
     curve = calibrate(photo).curve
-    codes = np.array(photo.encoded, np.float32)
-    linear = with_lamps(curve.linearize(codes), LAMP_LIGHT)
-    codes = with_lamps(codes, 1.0)
-    gain = 2.0**STOPS
+    size = (SCALE * photo.encoded.shape[1], SCALE * photo.encoded.shape[0])
+    codes = cv2.resize(photo.encoded, size, interpolation=cv2.INTER_CUBIC).clip(0, 1)
+    matte = cv2.resize(person(photo.encoded), size)[..., None]
+    light = lamps(codes.shape)
+    # In code values no lamp can be brighter than white.
+    encoded = composite(codes, matte, np.minimum(light, 1.0))
+    linear = composite(curve.linearize(codes), matte, light)
     panels = {
-        "photo with four lamps": codes,
-        "defocus in code values": defocused(codes),
-        "defocus in linear light": curve.encode(np.clip(defocused(linear), 0, 1)),
-        "... two stops down, code values": defocused(codes) * gain,
-        "... two stops down, linear light": curve.encode(np.clip(defocused(linear) * gain, 0, 1)),
+        "composited in code values": encoded.clip(0, 1),
+        "composited in linear light, by the photo's own curve": curve.encode(linear.clip(0, 1)),
     }
-    figure = Figure(figsize=(15, 2.75), layout="constrained")
+    figure = Figure(figsize=(16, 10.1), facecolor=GROUND, layout="constrained")
     for axes, (title, image) in zip(figure.subplots(1, len(panels)), panels.items(), strict=True):
-        axes.imshow(image[:420])
-        axes.set_title(title)
+        axes.imshow(image)
+        axes.set_title(title, color="white", fontsize=19, pad=12)
         axes.axis("off")
-    target = folder / "comp.png"
-    figure.savefig(target, dpi=90, bbox_inches="tight")
+    target = folder / "comp.jpg"
+    figure.savefig(target, dpi=100, pil_kwargs={"quality": 88, "optimize": True})
     return target
 
 

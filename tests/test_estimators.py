@@ -1,4 +1,4 @@
-"""One row adds an estimator: the command, the help and the README know it by that row."""
+"""One row adds an estimator: the command, the help and the docs know it by it."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import dorf_model
 from facecrf_ocio.values import Outcome, Verdict
 
-README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[1] / "docs" / "how-it-works.md").read_text(encoding="utf-8")
 
 
 def blank() -> Photo:
@@ -59,8 +59,8 @@ def test_published_estimators_say_how_far_to_trust_them(row):
     assert row.band_scale >= 1.0
 
 
-def test_the_readme_has_a_row_for_each_in_this_order():
-    table = re.findall(r"^\| ((?:`[a-z0-9-]+`(?:, )?)+) \|", README, re.MULTILINE)
+def test_the_page_has_a_row_for_each_in_this_order():
+    table = re.findall(r"^\| ((?:`[a-z0-9-]+`(?:, )?)+) \|", PAGE, re.MULTILINE)
     names = [name for cell in table for name in re.findall(r"`([a-z0-9-]+)`", cell)]
     first = names.index(ESTIMATOR_NAMES[0])
     assert tuple(names[first : first + len(ESTIMATOR_NAMES)]) == ESTIMATOR_NAMES
@@ -73,9 +73,9 @@ def test_the_help_says_what_each_looks_at():
         assert len(f"{row.name}: {row.does}") <= 46
 
 
-def test_the_readme_says_which_need_no_face():
+def test_the_page_says_which_need_no_face():
     for row in PUBLISHED:
-        line = next(line for line in README.splitlines() if line.startswith(f"| `{row.name}`"))
+        line = next(line for line in PAGE.splitlines() if line.startswith(f"| `{row.name}`"))
         assert ("needs no face" in line) == (not row.needs_face)
 
 
@@ -140,7 +140,8 @@ def test_joint_without_a_face_or_a_fallback_answers_the_prior_s_mean():
 
 
 def chosen(estimator: str, per_channel: bool | None) -> Choices:
-    return Choices(estimator, "none", "auto", "prior only", per_channel, overwrite=False)
+    given = {"estimator": estimator, "per_channel": per_channel, "max_error": None}
+    return Choices(fallback="none", prior="auto", min_confidence="weak", overwrite=False, **given)
 
 
 @pytest.mark.parametrize("estimator", ["auto", "joint"])

@@ -1,0 +1,34 @@
+"""Settings of the documentation: `sphinx-build -W docs docs/_build`."""
+
+from importlib import metadata
+
+project = "facecrf-ocio"
+copyright = "The facecrf-ocio developers"  # noqa: A001 (Sphinx's name)
+release = version = metadata.version("facecrf-ocio")
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_click",
+    "sphinx_gallery.gen_gallery",
+]
+exclude_patterns = ["_build"]
+myst_heading_anchors = 3
+myst_enable_extensions = ["deflist"]
+napoleon_google_docstring = False
+autodoc_member_order = "bysource"
+autodoc_typehints = "description"
+html_theme = "furo"
+html_title = "facecrf-ocio"
+html_theme_options = {"source_directory": "docs/"}
+# Quick ones are run when the pages are built; the others need programs that few have.
+sphinx_gallery_conf = {
+    "examples_dirs": "../examples",
+    "gallery_dirs": "gallery",
+    "filename_pattern": r"/0[125]_",
+    "ignore_pattern": r"make_",
+    "download_all_examples": False,
+    "show_memory": False,
+    "abort_on_example_error": True,
+}
+suppress_warnings = ["config.cache"]
