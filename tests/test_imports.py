@@ -126,7 +126,7 @@ def test_no_two_units_import_each_other():
     ("library", "units"),
     [
         ("PyOpenColorIO", {"lut", "image", "ocio_config", "benchmark"}),
-        ("OpenImageIO", {"photo", "image", "benchmark"}),
+        ("OpenImageIO", {"photo", "image", "benchmark", "training"}),
         ("rawpy", {"photo"}),
         ("matplotlib", {"plots", "benchmark", "cli"}),
         ("sklearn", set()),

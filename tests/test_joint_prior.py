@@ -12,12 +12,12 @@ GRID = np.linspace(0.0, 1.0, 33)
 BASIS = np.stack([GRID * (1.0 - GRID), GRID**2 * (1.0 - GRID)])
 PRIOR = FamilyPrior(
     GRID,
-    GRID**2,
+    GRID,
     BASIS,
     np.array([0.25, 0.25, 0.5]),
     np.array([[-1.0, 0.5], [1.5, 0.0], [0.2, -0.8]]),
     np.array([[[0.5, 0.1], [0.1, 0.4]], [[0.3, -0.1], [-0.1, 0.6]], [[0.4, 0.0], [0.0, 0.2]]]),
-    np.array([0.0, 0.0, 1.0]),
+    np.array([0.0, 1.0, 2.0]),
 )
 MESSAGE = Message(np.array([0.4, -0.3]), np.array([2.0, 0.7]))
 
@@ -71,9 +71,9 @@ def test_deviations_are_those_of_drawn_curves():
 @pytest.mark.parametrize(
     ("prior", "leaning", "expected"),
     [
-        ("auto", 0.0, [0.25, 0.25, 0.5]),
-        ("dorf", 5.0, [0.5, 0.5, 0.0]),
-        ("modern", -5.0, [0.0, 0.0, 1.0]),
+        ("auto", 0.0, [0.4, 0.2, 0.4]),
+        ("dorf", 5.0, [1.0, 0.0, 0.0]),
+        ("modern", -5.0, [0.0, 1.0 / 3.0, 2.0 / 3.0]),
     ],
 )
 def test_families_are_weighed_as_asked(prior, leaning, expected):
@@ -81,7 +81,22 @@ def test_families_are_weighed_as_asked(prior, leaning, expected):
 
 
 def test_metadata_move_the_weights_of_auto_only():
-    assert PRIOR.weights_for("auto", 2.0)[2] == pytest.approx(1.0 / (1.0 + np.exp(-2.0)))
+    told = PRIOR.weights_for("auto", 2.0)
+    assert told[1:].sum() > PRIOR.weights_for("auto")[1:].sum()
+    assert np.allclose(PRIOR.weights_for("dorf", 2.0), PRIOR.weights_for("dorf"))
+
+
+def test_metadata_tell_phones_from_cameras():
+    plain, phone = PRIOR.weights_for("modern"), PRIOR.weights_for("modern", phone=2.0)
+    assert phone[2] / phone[1] == pytest.approx(np.exp(2.0) * plain[2] / plain[1])
+    assert phone[0] == 0.0
+
+
+def test_curves_are_the_squares_of_what_the_coefficients_say():
+    draws = np.random.default_rng(2).normal(size=(5, 2))
+    roots = PRIOR.roots(draws)
+    assert np.allclose(roots, GRID + draws @ BASIS)
+    assert np.allclose(PRIOR.samples(draws), np.maximum(roots, 0.0) ** 2)
 
 
 def test_an_unknown_prior_is_refused():

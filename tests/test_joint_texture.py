@@ -10,13 +10,13 @@ import pytest
 from facecrf_ocio.joint.noise_counts import count_noise
 from facecrf_ocio.joint.texture import GROUPS, noise_character
 
-SIZE = 5 * GROUPS + 2
+SIZE = 14 * GROUPS + 12
 MIDDLE = 3  # group of level of the photos here
 CODE = 140.0
 
 
 def character(photo: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
-    return noise_character(count_noise(photo))
+    return noise_character(count_noise([photo]))
 
 
 def photo_with(noise: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
@@ -29,16 +29,28 @@ def normal(channels: int = 3, seed: int = 0) -> npt.NDArray[np.float64]:
 
 
 def parts(vector: npt.NDArray[np.float64]) -> dict[str, npt.NDArray[np.float64]]:
-    names = ("agreement", "agreement at half size", "spread", "tails", "tails at half size",
-             "coarser")  # fmt: skip
-    cuts = np.cumsum([GROUPS, GROUPS, 2, GROUPS, GROUPS])
+    names = ("agreement", "agreement at half size", "at a quarter", "spread", "tails",
+             "tails at half size", "tails at a quarter", "coarser", "coarser still", "channels",
+             "neighbors", "diagonal", "second", "rounding")  # fmt: skip
+    g = GROUPS
+    cuts = np.cumsum([g, g, g, 3, g, g, g, g, g, 9, g, g, g])
     return dict(zip(names, np.split(vector, cuts), strict=True))
 
 
-def test_independent_normal_noise_is_zero_everywhere() -> None:
+def test_independent_normal_noise_agrees_by_chance_and_has_no_tails() -> None:
     vector = character(photo_with(4.0 * normal()))
     assert vector.shape == (SIZE,)
-    assert np.abs(vector).max() < 0.03
+    found = parts(vector)
+    for name in ("agreement", "agreement at half size", "tails", "tails at half size", "coarser"):
+        assert np.abs(found[name]).max() < 0.03
+
+
+def test_neighbors_agree_as_far_as_second_differences_overlap() -> None:
+    # 1 -2 1 has 6, -4, 1 as its autocorrelation; signs agree by 2 asin(r) / pi (Sheppard).
+    found = parts(character(photo_with(12.0 * normal())))
+    for name, share in (("neighbors", -4 / 6), ("diagonal", 16 / 36), ("second", 1 / 6)):
+        expected = 2.0 * np.arcsin(share) / np.pi
+        assert found[name][MIDDLE] == pytest.approx(expected, abs=0.02)
 
 
 def test_what_all_channels_share_agrees_in_sign_at_both_sizes() -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import cv2
 import numpy as np
 import pytest
 from photo_files import write
@@ -10,32 +13,54 @@ from facecrf_ocio.joint import load_joint
 from facecrf_ocio.joint.messages import COMBINED
 from facecrf_ocio.joint.statistics import CUES
 from facecrf_ocio.synthetic import SyntheticSpec, render_face
-from facecrf_ocio.training.__main__ import _kept
+from facecrf_ocio.training.before_camera import dead_leaves, read_head, saturate, stage
 from facecrf_ocio.training.curves import NO_ROW, CurveSource, fold_of_rows, rows_outside
-from facecrf_ocio.training.simulate import Example, simulate
-from facecrf_ocio.training.variation import _demosaic, _even, process, vary
+from facecrf_ocio.training.denoise import Denoiser
+from facecrf_ocio.training.draw_process import draw_process
+from facecrf_ocio.training.layout import draw_layout, some_windows
+from facecrf_ocio.training.parts import Examples, read_parts, write_part
+from facecrf_ocio.training.plan import Data, held_out_names, left_out
+from facecrf_ocio.training.process import Response, demosaiced, photograph, through_jpeg
+from facecrf_ocio.training.simulate import simulate
 
 GRID = np.linspace(0.0, 1.0, 1024)
+NOTHING = Denoiser("none", 0.0, 1.0, 0.0)
+KINDS = ("camera_jpeg", "webcam", "phone_isp", "raw_converter") * 4
 
 
 @pytest.fixture(scope="module")
 def source():
     film = np.array([GRID**e for e in np.linspace(0.6, 3.0, 40)])
     digital = np.array([GRID**e for e in np.linspace(1.8, 2.6, 16)])
-    kinds = ("camera_jpeg", "webcam", "phone_isp", "raw_converter") * 4
-    return CurveSource(film, digital, kinds, ("A", "B") * 8)
+    return CurveSource(film, digital, KINDS, ("A", "B") * 8)
 
 
 @pytest.fixture(scope="module")
 def head(tmp_path_factory):
     path = tmp_path_factory.mktemp("head") / "head.exr"
     write(path, render_face(SyntheticSpec(seed=3)).linear, "float")
-    return path
+    return read_head(path, noisy=False)
 
 
 @pytest.fixture(scope="module")
-def examples(head, source):
-    return list(simulate(head, source, 9, seed=1))
+def around():
+    return (dead_leaves(np.random.default_rng(0)),)
+
+
+@pytest.fixture(scope="module")
+def examples(head, around, source):
+    return list(simulate([head], around, source, 6, [1]))
+
+
+@pytest.fixture
+def process():
+    """Nothing but the response: no noise, no processing, no compression."""
+    drawn = draw_process(np.random.default_rng(0))
+    return replace(
+        drawn, stops=0.0, gains=np.ones(3), blur=0.0, full_well=np.inf, read_noise=0.0, matrix=1.0,
+        mosaic="none", denoise=NOTHING, smooth=NOTHING, sharpen=0.0, scale=1.0, jpeg=0,
+        first_jpeg=0, sharpen_small=0.0,
+    )  # fmt: skip
 
 
 def test_drawn_responses_are_responses(source):
@@ -56,89 +81,6 @@ def test_a_measured_response_is_drawn_as_it_is(source):
         assert np.array_equal(drawn.inverse, known)
 
 
-def test_every_photo_shows_the_cues(examples):
-    assert len(examples) == 9
-    assert all(set(example.by_cue) <= set(CUES) for example in examples)
-    assert sum(set(example.by_cue) == set(CUES) for example in examples) >= 6
-    assert all(np.isfinite(v).all() for example in examples for v in example.by_cue.values())
-
-
-def test_the_same_seed_gives_the_same_photos(head, source, examples):
-    again = next(iter(simulate(head, source, 1, seed=1)))
-    assert np.array_equal(again.by_cue["grain"], examples[0].by_cue["grain"])
-
-
-def test_software_leaves_8_bit_codes():
-    generator = np.random.default_rng(0)
-    encoded = np.rint(generator.random((32, 32, 3)) * 255).astype(np.float32) / np.float32(255)
-    for _ in range(30):
-        codes = process(encoded, generator) * 255.0
-        assert np.allclose(codes, np.rint(codes), atol=1e-3)
-
-
-def test_variation_keeps_light_in_its_range_():
-    generator = np.random.default_rng(0)
-    light = generator.random((40, 50, 3), np.float32)
-    for _ in range(60):
-        varied = vary(light, generator)
-        assert varied.shape == light.shape
-        assert varied.dtype == np.float32
-        assert 0.0 <= varied.min() <= varied.max() <= 1.0
-
-
-def test_a_mosaic_of_one_color_is_that_color_again():
-    color = np.broadcast_to(np.float32([0.6, 0.4, 0.2]), (32, 32, 3))
-    assert np.allclose(_demosaic(color), color, atol=1e-4)
-
-
-def test_even_skin_keeps_its_shading_and_loses_color_contrast():
-    generator = np.random.default_rng(0)
-    light = generator.uniform(0.2, 0.8, (80, 90, 3)).astype(np.float32)
-    even = _even(light, 0.3)
-    assert np.allclose(even.mean(axis=2), light.mean(axis=2), rtol=2e-3)
-    before, after = (p / p.mean(axis=2, keepdims=True) for p in (light, even))
-    assert after.std() == pytest.approx(0.3 * before.std(), rel=0.05)
-
-
-def test_a_demosaiced_photo_has_noise_that_its_neighbors_share():
-    noisy = np.random.default_rng(0).normal(0.5, 0.05, (200, 200, 3)).astype(np.float32)
-    full = _demosaic(np.clip(noisy, 0.0, 1.0))
-    for channel in range(3):
-        plane = full[..., channel] - full[..., channel].mean()
-        assert (plane[:, 1:] * plane[:, :-1]).mean() > 0.2 * (plane**2).mean()
-
-
-def test_a_held_out_fold_sees_none_of_its_rows(source):
-    """A pure power is of no camera and always seen; neighbors to mix with share the fold."""
-    nothing = np.zeros(1024, np.float32)
-    rows = [Example("", 0, row, False, nothing, {}) for row in (NO_ROW, *range(40))]
-    modern = [Example("", 1, row, False, nothing, {}) for row in range(16)]
-    kept = _kept([*rows, *modern], fold=4, rows=40, without=(), modern=None)
-    film = [e.row for e in kept if e.family == 0]
-    assert film[0] == NO_ROW
-    assert set(film[1:]) == set(np.flatnonzero(rows_outside(4, 40)))
-    assert not set(film[1:]) & set(np.flatnonzero(fold_of_rows(40) == 4))
-    assert len(kept) == len(film) + 16
-
-
-def test_a_maker_can_be_held_out(tmp_path):
-    np.savez(tmp_path / "modern.npz", maker=["A", "B", "A"])
-    nothing = np.zeros(1024, np.float32)
-    modern = [Example("", 1, row, False, nothing, {}) for row in range(3)]
-    options = {"fold": None, "rows": 40, "modern": tmp_path / "modern.npz"}
-    assert [e.row for e in _kept(modern, without=("A",), **options)] == [1]
-
-
-def test_a_maker_held_out_is_in_no_mixture_either(tmp_path):
-    np.savez(tmp_path / "modern.npz", maker=["A", "B", "A"])
-    nothing = np.zeros(1024, np.float32)
-    pairs = [(1, 0), (1, NO_ROW), (2, 1), (1, 1)]
-    mixed = [Example("", 1, a, False, nothing, {}, mixed_with=b) for a, b in pairs]
-    options = {"fold": None, "rows": 40, "modern": tmp_path / "modern.npz"}
-    kept = _kept(mixed, without=("A",), **options)
-    assert [(e.row, e.mixed_with) for e in kept] == [(1, NO_ROW), (1, 1)]
-
-
 def test_strangers_are_mixed_and_named(source):
     generator = np.random.default_rng(5)
     drawn = [source.draw(generator, measured=False) for _ in range(600)]
@@ -148,16 +90,158 @@ def test_strangers_are_mixed_and_named(source):
     assert all(d.row >= 0 for d in drawn if d.mixed_with != NO_ROW)
 
 
+def test_exposure_varies_by_about_a_stop_in_every_photo():
+    generator = np.random.default_rng(2)
+    stops = np.array([draw_process(generator).stops for _ in range(2000)])
+    assert stops.std() == pytest.approx(1.07, abs=0.06)
+    assert stops.mean() == pytest.approx(0.0, abs=0.08)
+    assert (stops.min(), stops.max()) == (-3.5, 2.0)
+    assert np.mean(np.abs(stops) < 1e-3) < 0.01
+
+
+def test_without_noise_and_processing_a_photo_is_its_response(process):
+    light = np.random.default_rng(1).uniform(0.0, 1.0, (40, 50, 3)).astype(np.float32)
+    response = Response.of(GRID**2.2)
+    encoded = photograph(light, process, response, (40, 50), np.random.default_rng(0))
+    assert np.abs(encoded - light ** (1.0 / 2.2)).max() < 1.0 / 255.0
+    assert np.allclose(encoded * 255.0, np.rint(encoded * 255.0), atol=1e-3)
+
+
+def test_noise_is_that_of_photons_at_the_size_of_the_sensor(process):
+    noisy = replace(process, full_well=2000.0, raw_gains=np.ones(3))
+    light = np.full((300, 300, 3), 0.25, np.float32)
+    line = Response.of(GRID)
+    generator = np.random.default_rng(0)
+    fine = photograph(light, noisy, line, (300, 300), generator)
+    assert fine.std() == pytest.approx(np.sqrt(0.25 / 2000.0), rel=0.03)
+    coarse = photograph(light, noisy, line, (300, 300), generator, coarse=0.25)
+    assert coarse.std() == pytest.approx(0.25 * fine.std(), rel=0.05)
+
+
+def test_every_process_leaves_codes_of_the_size_that_is_stored():
+    generator = np.random.default_rng(4)
+    light = generator.random((96, 128, 3), np.float32)
+    response = Response.of(GRID**2.2)
+    for _ in range(30):
+        encoded = photograph(light, draw_process(generator), response, (64, 80), generator)
+        assert encoded.shape == (64, 80, 3)
+        assert 0.0 <= encoded.min() <= encoded.max() <= 1.0
+
+
+def test_a_mosaic_of_one_color_is_that_color_again():
+    color = np.broadcast_to(np.float32([0.6, 0.4, 0.2]), (32, 32, 3))
+    assert np.allclose(demosaiced(color, "edge-aware"), color, atol=1e-4)
+
+
+@pytest.mark.parametrize("kind", ["bilateral", "shrink", "blur"])
+def test_denoisers_take_noise_and_leave_an_edge(kind):
+    generator = np.random.default_rng(0)
+    step = np.where(np.arange(80) < 40, 0.3, 0.7)[None, :, None] * np.ones((80, 1, 3))
+    noisy = (step + generator.normal(0.0, 0.01, step.shape)).astype(np.float32)
+    strength = 0.8 if kind == "blur" else 3.0
+    clean = Denoiser(kind, strength, 1.5, 0.0).apply(noisy, 0.01)
+    assert clean[:, :30].std() < 0.7 * noisy[:, :30].std()
+    assert clean[:, 50:].mean() - clean[:, :30].mean() == pytest.approx(0.4, abs=0.01)
+
+
+def test_less_color_is_kept_where_color_is_sampled_coarsely():
+    generator = np.random.default_rng(0)
+    picture = generator.uniform(0.2, 0.8, (64, 64, 3)).astype(np.float32)
+    errors = [
+        np.abs(through_jpeg(picture, 95, sampling) - picture).mean()
+        for sampling in ("4:2:0", "4:2:2", "4:4:4")
+    ]
+    assert errors == sorted(errors, reverse=True)
+
+
+def test_a_frame_holds_its_face_and_windows_stand_for_all(head, around):
+    generator = np.random.default_rng(3)
+    for _ in range(40):
+        layout = draw_layout(head, around, generator)
+        points = layout.face.landmarks_xyz[:, :2]
+        assert layout.height * layout.width <= 25e6
+        assert (points.min(axis=0) > -0.1 * np.ptp(points[:, 0])).all()
+        assert 55.0 < np.ptp(points[:, 0]) < 2800.0
+    windows = [(slice(0, 192), slice(0, 192)), (slice(0, 192), slice(512, 704))]
+    parts, weight = some_windows(windows, 1, 128, generator)
+    assert len(parts) == 1
+    assert weight == pytest.approx(2 * 192**2 / 128**2)
+    assert parts[0][0].start % 16 == 0
+
+
+def test_a_staged_head_keeps_its_shape_and_grays_have_no_color(head):
+    generator = np.random.default_rng(0)
+    for _ in range(10):
+        light = stage(head, generator)
+        assert light.shape == head.linear.shape
+        assert light.min() >= 0.0
+    gray = saturate(head.linear, 0.0)
+    assert np.allclose(gray, gray[..., :1], atol=1e-6)
+
+
+def test_every_photo_shows_most_cues(examples):
+    assert len(examples) >= 4
+    assert all(set(example.of_face) <= set(CUES) for example in examples)
+    assert all(np.isfinite(v).all() for e in examples for v in e.of_face.values())
+
+
+def test_the_same_seed_gives_the_same_photos(head, around, source, examples):
+    again = next(iter(simulate([head], around, source, 1, [1])))
+    assert np.array_equal(again.photo.histograms, examples[0].photo.histograms)
+
+
+def test_parts_come_back_from_disk_as_statistics(tmp_path, examples):
+    write_part(tmp_path / "part.npz", examples)
+    stored = read_parts([tmp_path / "part.npz"] * 2, KINDS)
+    assert len(stored) == 2 * len(examples)
+    assert set(stored.by_cue) == set(CUES)
+    truth = np.array([e.drawn.inverse for e in examples])
+    assert np.allclose(stored.inverse[: len(examples)], truth, atol=1e-6)
+    assert not list(tmp_path.glob("*.tmp"))
+
+
+def of_rows(family, row, mixed_with) -> Examples:
+    count = len(row)
+    return Examples(
+        np.zeros((count, 1024), np.float32), np.full(count, family), np.array(row),
+        np.array(mixed_with), np.full(count, family), {}, {}, np.array([""] * count),
+    )  # fmt: skip
+
+
+def test_a_held_out_fold_sees_none_of_its_rows():
+    """A pure power is of no camera and always seen; neighbors to mix with share the fold."""
+    rows = of_rows(0, [NO_ROW, *range(201)], [NO_ROW] * 202)
+    without = left_out("dorf4", rows, Data(None))
+    assert not without[0]
+    seen = set(rows.row[~without]) - {NO_ROW}
+    assert seen == set(np.flatnonzero(rows_outside(4, 201)))
+    assert not seen & set(np.flatnonzero(fold_of_rows(201) == 4))
+    assert not left_out("dorf4", of_rows(1, [180], [190]), Data(None)).any()
+
+
+def test_a_maker_held_out_is_in_no_mixture_and_in_neither_file(development_data):
+    source = Data(development_data)
+    makers = np.array(source.curves().maker)
+    stacks = len(makers) - 20
+    every = of_rows(1, [*range(len(makers)), 0], [NO_ROW] * len(makers) + [stacks])
+    without = left_out("stacks", every, source)
+    assert without[stacks:].all()
+    assert not without[:stacks].any()
+    seen = [set(makers[~left_out(n, every, source)[:-1]]) for n in held_out_names()[5:10]]
+    assert all(set(makers) - one for one in seen)
+    assert not set(makers) - set().union(*seen)
+
+
 @pytest.mark.slow
-def test_what_is_fitted_can_be_loaded_and_asked(head, source, tmp_path):
+def test_what_is_fitted_can_be_loaded_and_asked(head, around, source, tmp_path):
     fit = pytest.importorskip("facecrf_ocio.training.fit", reason="needs the extra train")
-    examples = list(simulate(head, source, 300, seed=2))
-    curves = np.array([e.inverse for e in examples], dtype=np.float64)
-    prior, analysis = fit.fit_prior(curves, np.array([e.family for e in examples]))
-    training = fit.Training(epochs=2, members=1)
-    member = fit.fit_networks(examples, prior, analysis, training, seed=0)
-    fit.save_joint(tmp_path / "model.npz", prior, [member], 1.0)
+    cv2.setNumThreads(1)
+    write_part(tmp_path / "part.npz", list(simulate([head], around, source, 300, [2])))
+    examples = read_parts([tmp_path / "part.npz"], KINDS)
+    fit.fit_joint(tmp_path / "model.npz", examples, fit.Training(epochs=2, members=1), None)
     model = load_joint(tmp_path / "model.npz")
-    messages = model.networks.messages(examples[0].by_cue)
-    assert set(messages) == {*examples[0].by_cue, COMBINED}
+    by_cue = {c: v[0].astype(float) for c, v in examples.by_cue.items() if np.isfinite(v[0]).all()}
+    messages = model.networks.messages(by_cue)
+    assert set(messages) == {*by_cue, COMBINED}
     assert all((message.precision > 0.0).all() for message in messages.values())
+    assert model.networks.stretch(by_cue) >= 1.0

@@ -1,45 +1,60 @@
 """What the joint estimator may have learned when a fold of responses is held out.
 
-For the two files of responses that the shipped weights were trained with, in five folds, the
-package brings weights that were trained without each fold: DoRF's rows with their guard, and whole
-makers of the modern ones. Responses of other files are strangers to the shipped weights anyhow.
+The shipped weights were trained with three files of responses. Beside the package, a checkout has
+weights that were trained without each of five folds of DoRF's rows, with their guard, without each
+of five folds of makers of published digital responses, and without the responses that were solved
+from exposure stacks. Responses of other files are strangers to the shipped weights anyhow.
 """
 
 from __future__ import annotations
 
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
+
+import numpy as np
 
 from facecrf_ocio.benchmark.responses import Responses
 from facecrf_ocio.errors import SettingsError
-from facecrf_ocio.joint import JointModel, load_joint, shipped_joint
+from facecrf_ocio.joint import JointModel, joint_of, shipped_joint
 
 # Responses that the shipped weights were trained with.
 DORF = "45d7b6467f147b6dd99875652bef2d36f0a6ef5cebbd5b8ed33759ee6a4c1fc1"
 MODERN = "48ef6804cf515c7d6149677829341e8eb2fe3eba4f6e6eec8128a963dbc32110"
+STACKS = "143a54389c8b60cf50a4e23200acf9697f923b31d23864aa0bdb27ae0d716071"
 FOLDS = 5
+HELD_OUT = Path(__file__).parents[2] / "examples" / "results" / "held_out_joint.npz"
+_FAMILY = {DORF: "dorf", MODERN: "modern", STACKS: "stacks"}
 
 
 def joint_model(responses: Responses, fold: int | None) -> JointModel:
     """The weights for one fold of some responses; the shipped ones where none is held out.
 
+    All folds of the stacks' responses share weights that saw none of them.
+
     Raises
     ------
     SettingsError
-        If the responses were trained with and no weights without them exist.
+        If the responses were trained with and no weights without them exist here.
     """
-    if fold is None or responses.sha256 not in (DORF, MODERN):
+    if fold is None or responses.sha256 not in _FAMILY:
         return shipped_joint()
-    if not 0 <= fold < FOLDS:
+    family = _FAMILY[responses.sha256]
+    if family != "stacks" and not 0 <= fold < FOLDS:
         raise SettingsError(
             f"{responses.path}: joint was trained with these responses, and there are no weights "
             f"without this fold; use --protocol paper, or --folds {FOLDS}"
         )
-    return _held_out("dorf" if responses.sha256 == DORF else "modern", fold)
+    if not HELD_OUT.is_file():
+        raise SettingsError(
+            f"{responses.path}: joint was trained with these responses, and the weights without "
+            "them come with a checkout of the project, not with the package; use --protocol paper"
+        )
+    return _held_out(family if family == "stacks" else f"{family}{fold}")
 
 
 @cache
-def _held_out(family: str, fold: int) -> JointModel:
-    name = f"joint_without_{family}{fold}.npz"
-    return load_joint(Path(str(files("facecrf_ocio.benchmark") / name)))
+def _held_out(name: str) -> JointModel:
+    """One of the models that `training.weights.pack` put into one file."""
+    with np.load(HELD_OUT, allow_pickle=False) as stored:
+        mine = [key for key in stored.files if key.startswith(f"{name}/")]
+        return joint_of({key.removeprefix(f"{name}/"): stored[key] for key in mine})

@@ -29,20 +29,20 @@ class FaceView:
         (H, W, 3) float32 in [0, 1].
     geometry
         The mesh on this grid.
-    native
-        (h, w, 3) float32, the same cut as stored in the photo.
+    frame
+        x and y of its upper left corner, and its width and height, in pixels of the photo.
     """
 
     face: Face
     encoded: npt.NDArray[np.float32]
     geometry: FaceGeometry
-    native: npt.NDArray[np.float32]
+    frame: tuple[float, float, float, float]
 
 
 def cut_face(photo: Photo, face: Face, settings: Settings, *, to_8_bits: bool = False) -> FaceView:
     """Cut a face out, scale it down to the working size, and lay its mesh over it.
 
-    With `to_8_bits` it is rounded to 8 bits before it is scaled; `native` is not.
+    With `to_8_bits` it is rounded to 8 bits before it is scaled.
     """
     height, width = photo.encoded.shape[:2]
     points = face.landmarks_xyz[:, :2]
@@ -58,7 +58,8 @@ def cut_face(photo: Photo, face: Face, settings: Settings, *, to_8_bits: bool = 
     geometry = face_geometry(
         face, (size[1], size[0]), origin=(float(left), float(top)), scale=scale
     )
-    return FaceView(face, np.asarray(encoded, np.float32), geometry, cut)
+    frame = (float(left), float(top), float(cut.shape[1]), float(cut.shape[0]))
+    return FaceView(face, np.asarray(encoded, np.float32), geometry, frame)
 
 
 def _scaled(

@@ -3,6 +3,7 @@
 from facecrf_ocio.joint.conclusion import (
     JointModel,
     conclude,
+    joint_of,
     load_joint,
     misfit,
     shipped_joint,
@@ -14,6 +15,7 @@ __all__ = [
     "PhotoEvidence",
     "conclude",
     "gather",
+    "joint_of",
     "load_joint",
     "misfit",
     "shipped_joint",

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from facecrf_ocio.joint.evidence import COVERAGE_BINS, PhotoEvidence
-from facecrf_ocio.joint.fuse import agreeing_shares, average, multiply
-from facecrf_ocio.joint.messages import COMBINED, Networks, load_networks
-from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior, load_prior
+from facecrf_ocio.joint.fuse import agreeing_shares, average, multiply, widened
+from facecrf_ocio.joint.messages import COMBINED, Networks, networks_of
+from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior, prior_of
 from facecrf_ocio.joint.verdict import judge, verdict_of
 from facecrf_ocio.response.model import inverse_crf, strictly_increasing
 from facecrf_ocio.values import (
@@ -54,9 +54,13 @@ class JointModel:
 
 def load_joint(path: Path) -> JointModel:
     """Read a model that `train` wrote."""
-    with np.load(path) as stored:
-        scale = float(stored["band_scale"])
-    return JointModel(load_prior(path), load_networks(path), scale)
+    with np.load(path, allow_pickle=False) as stored:
+        return joint_of(stored)
+
+
+def joint_of(arrays: Mapping[str, Float]) -> JointModel:
+    """The model in the arrays of a file of weights."""
+    return JointModel(prior_of(arrays), networks_of(arrays), float(arrays["band_scale"]))
 
 
 @cache
@@ -94,15 +98,16 @@ def conclude(
     names = names or [f"photo {number + 1}" for number in range(len(evidence))]
     telling = [e for e in evidence if e.messages]
     called = [name for name, e in zip(names, evidence, strict=True) if e.messages]
-    leanings = [e.leaning for e in telling or evidence] or [0.0]
-    weights = model.prior.weights_for(prior, float(np.mean(leanings)))
+    leanings = [(e.leaning, e.phone) for e in telling or evidence] or [(0.0, 0.0)]
+    weights = model.prior.weights_for(prior, *np.mean(leanings, axis=0).tolist())
     posterior, dissent = _pool(dict(zip(called, telling, strict=True)), model.prior, weights)
     coefficients = posterior.mean
     curve = strictly_increasing([model.prior.samples(coefficients)] * len(CHANNELS))
     found = inverse_crf(model.prior.grid, curve)
     confidence = _confidence(telling, posterior, found, model, dissent)
     if not telling:
-        first = evidence[0] if evidence else PhotoEvidence({}, np.empty(0), 0.0, "no photo given")
+        none = PhotoEvidence({}, np.empty(0), lacking="no photo given")
+        first = evidence[0] if evidence else none
         return Estimate(
             Outcome.FALLBACK,
             "joint",
@@ -134,7 +139,7 @@ def misfit(evidence: PhotoEvidence, estimate: Estimate, model: JointModel | None
     model = model or shipped_joint()
     if not evidence.messages or estimate.coefficients is None:
         return 0.0
-    weights = model.prior.weights_for("auto", evidence.leaning)
+    weights = model.prior.weights_for("auto", evidence.leaning, evidence.phone)
     own, _ = _pool({"photo": evidence}, model.prior, weights)
     offset = own.mean - estimate.coefficients[0]
     distance = float(offset @ np.linalg.solve(own.covariance, offset))
@@ -161,7 +166,10 @@ def _pool(
         return prior.posterior(None, weights), ()
     shares = agreeing_shares(of_photos, prior, weights)
     outvoted += [photo for photo, share in shares.items() if share < 0.5]
-    posteriors = [prior.posterior(message, weights) for message in of_photos.values()]
+    posteriors = [
+        widened(prior.posterior(message, weights), telling[photo].stretch)
+        for photo, message in of_photos.items()
+    ]
     trust = [
         share / float((prior.deviations(posterior) ** 2).mean())
         for share, posterior in zip(shares.values(), posteriors, strict=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,9 +17,15 @@ from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.face.view import cut_face, lacking_faces
 from facecrf_ocio.joint.messages import Networks, shipped_networks
-from facecrf_ocio.joint.metadata import modern_leaning
+from facecrf_ocio.joint.metadata import modern_leaning, phone_leaning
 from facecrf_ocio.joint.prior import Message
-from facecrf_ocio.joint.statistics import Statistics, face_statistics, photo_statistics
+from facecrf_ocio.joint.statistics import (
+    Statistics,
+    counted_statistics,
+    face_statistics,
+    photo_counts,
+    skin_counts,
+)
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Face, Float, Lacking, Photo
 
@@ -40,6 +46,10 @@ class PhotoEvidence:
         (3, 64) share of the evidence in each bin of encoded values.
     leaning
         Log odds for a modern response, from what the file says of its camera.
+    phone
+        Log odds for a phone's among modern ones, from the same.
+    stretch
+        Factor on the deviation of what follows: above 1 where training saw no such photo.
     lacking, remedy
         Why the photo says nothing, and what the user can do; empty if it does say something.
     face
@@ -49,8 +59,10 @@ class PhotoEvidence:
     messages: Mapping[str, Message]
     coverage: Float
     leaning: float = 0.0
+    phone: float = 0.0
     lacking: str = ""
     remedy: str = ""
+    stretch: float = 1.0
     face: Face | None = field(default=None, repr=False)
 
     def to_json(self) -> str:
@@ -62,8 +74,10 @@ class PhotoEvidence:
                 },
                 "coverage": np.asarray(self.coverage).tolist(),
                 "leaning": self.leaning,
+                "phone": self.phone,
                 "lacking": self.lacking,
                 "remedy": self.remedy,
+                "stretch": self.stretch,
             }
         )
 
@@ -86,8 +100,10 @@ class PhotoEvidence:
                 messages,
                 np.array(stored["coverage"]),
                 stored["leaning"],
+                stored.get("phone", 0.0),
                 stored["lacking"],
                 stored["remedy"],
+                stored.get("stretch", 1.0),
             )
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise SettingsError(f"no evidence of a photo: {error}") from error
@@ -101,13 +117,15 @@ def gather(
     A photo without a face, or without color, gives evidence without messages that says why.
     """
     networks = networks or shipped_networks()
-    leaning = modern_leaning(photo.camera, photo.primaries)
+    leaning = modern_leaning(photo.camera, photo.primaries), phone_leaning(photo.camera)
     seen = observe(photo, settings or Settings())
     if isinstance(seen, Lacking):
         nothing = np.zeros((3, COVERAGE_BINS))
-        return PhotoEvidence({}, nothing, leaning, seen.reason, seen.remedy)
+        return PhotoEvidence({}, nothing, *leaning, seen.reason, seen.remedy)
     messages = networks.messages(seen.statistics.by_cue)
-    return PhotoEvidence(messages, _histograms(seen.statistics.encoded), leaning, face=seen.face)
+    stretch = networks.stretch(seen.statistics.by_cue)
+    coverage = _histograms(seen.statistics.encoded)
+    return PhotoEvidence(messages, coverage, *leaning, stretch=stretch, face=seen.face)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,11 +149,13 @@ def observe(photo: Photo, settings: Settings) -> Observation | Lacking:
     # The networks know 8-bit photos: rounding is part of the noise they learned from.
     finer = photo.bit_depth != 8
     view = cut_face(photo, face, settings, to_8_bits=finer)
-    of_face = face_statistics(view, settings, to_8_bits=finer)
+    of_face = face_statistics(view, settings)
     if of_face is None:
         return Lacking("the face shows too little skin of one hue", _LARGER)
-    by_cue = {**photo_statistics(photo.encoded), **of_face.by_cue}
-    return Observation(Statistics(by_cue, of_face.encoded), face)
+    counted = counted_statistics(
+        photo_counts(photo.encoded), skin_counts(photo.encoded, view, of_face.skin)
+    )
+    return Observation(replace(of_face, by_cue={**counted, **of_face.by_cue}), face)
 
 
 def _histograms(encoded: Float) -> Float:

@@ -44,6 +44,18 @@ def average(
     return Posterior(np.ones(1), mean[None], left * covariance[None])
 
 
+def widened(posterior: Posterior, factor: float) -> Posterior:
+    """The same mean, with a deviation that is `factor` times as large in every direction."""
+    if factor == 1.0:
+        return posterior
+    mean = posterior.mean
+    return Posterior(
+        posterior.weights,
+        mean + factor * (posterior.means - mean),
+        factor**2 * posterior.covariances,
+    )
+
+
 def agreeing_shares(
     messages: Mapping[str, Message], prior: FamilyPrior, weights: Float
 ) -> dict[str, float]:

@@ -42,13 +42,18 @@ class NoiseTable:
             object.__setattr__(self, name, frozen(getattr(self, name)))
 
 
-def measure_noise(counts: NoiseCounts) -> NoiseTable:
-    """Noise of each channel at uniform levels of encoded values, clipped pixels left out."""
-    histograms = counts.histograms[0]
-    return NoiseTable(
-        np.array([[quantile(row, _QUANTILE) for row in channel] for channel in histograms]),
-        histograms.sum(axis=2),
-    )
+def measure_noise(counts: NoiseCounts, size: int = 0) -> NoiseTable:
+    """Noise of each channel at uniform levels of encoded values, clipped pixels left out.
+
+    Parameters
+    ----------
+    counts
+        Of a photo's windows.
+    size
+        0 as stored, 1 at half the size, 2 at a quarter of it.
+    """
+    histograms = counts.histograms[size]
+    return NoiseTable(quantile(histograms, _QUANTILE), histograms.sum(axis=2))
 
 
 def noise_curve(table: NoiseTable) -> Float | None:

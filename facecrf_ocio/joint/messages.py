@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from facecrf_ocio.joint.familiarity import Familiarity, familiarity_of
 from facecrf_ocio.joint.prior import Message
 from facecrf_ocio.joint.statistics import CUES
 from facecrf_ocio.values import Float
@@ -64,23 +65,32 @@ class Networks:
     ----------
     members
         For each cue, and for `COMBINED`, its networks.
+    familiarity
+        Of the statistics in training.
     """
 
     members: Mapping[str, tuple[CueNetwork, ...]]
+    familiarity: Familiarity | None = None
+
+    def stretch(self, statistics: Mapping[str, Float]) -> float:
+        """By how much a posterior is wider because training saw no such photo; at least 1."""
+        if self.familiarity is None or not statistics:
+            return 1.0
+        return self.familiarity.stretch(self.combined(statistics))
 
     def messages(self, statistics: Mapping[str, Float]) -> dict[str, Message]:
         """What each cue says; the members of the ensemble are averaged by their precisions."""
         if not statistics:
             return {}
         found = {}
-        for cue, vector in {**statistics, COMBINED: self._combined(statistics)}.items():
+        for cue, vector in {**statistics, COMBINED: self.combined(statistics)}.items():
             said = [network.message(vector) for network in self.members[cue]]
             precision = np.mean([m.precision for m in said], axis=0)
             pull = np.mean([m.precision * m.mean for m in said], axis=0)
             found[cue] = Message(pull / precision, precision)
         return found
 
-    def _combined(self, statistics: Mapping[str, Float]) -> Float:
+    def combined(self, statistics: Mapping[str, Float]) -> Float:
         """All statistics standardized, each cue's followed by 1; zeros for a cue not shown."""
         parts = []
         for cue in CUES:
@@ -92,32 +102,25 @@ class Networks:
         return np.concatenate(parts)
 
 
-def load_networks(path: Path) -> Networks:
-    """Read the networks from the file that `train` writes."""
-    with np.load(path) as stored:
-        count = int(stored["ensemble"])
-        return Networks(
-            {
-                cue: tuple(
-                    CueNetwork(
-                        stored[f"{cue}_{member}_center"].astype(np.float64),
-                        stored[f"{cue}_{member}_scale"].astype(np.float64),
-                        tuple(
-                            (
-                                stored[f"{cue}_{member}_weight{layer}"].astype(np.float64),
-                                stored[f"{cue}_{member}_bias{layer}"].astype(np.float64),
-                            )
-                            for layer in range(4)
-                        ),
-                    )
-                    for member in range(count)
-                )
-                for cue in (*CUES, COMBINED)
-            }
-        )
+def networks_of(arrays: Mapping[str, Float]) -> Networks:
+    """The networks in the arrays of a file of weights."""
+    members = range(int(arrays["ensemble"]))
+    return Networks(
+        {cue: tuple(_network(arrays, f"{cue}_{m}") for m in members) for cue in (*CUES, COMBINED)},
+        familiarity_of(arrays),
+    )
+
+
+def _network(arrays: Mapping[str, Float], name: str) -> CueNetwork:
+    def stored(part: str) -> Float:
+        return np.asarray(arrays[f"{name}_{part}"], np.float64)
+
+    layers = tuple((stored(f"weight{n}"), stored(f"bias{n}")) for n in range(4))
+    return CueNetwork(stored("center"), stored("scale"), layers)
 
 
 @cache
 def shipped_networks() -> Networks:
     """The networks that ship."""
-    return load_networks(Path(str(files("facecrf_ocio.joint") / "joint_model.npz")))
+    with np.load(Path(str(files("facecrf_ocio.joint") / "joint_model.npz"))) as stored:
+        return networks_of(stored)

@@ -12,6 +12,23 @@ _ODDS = 2.0
 # Profiles of phones and cameras of the last decade. Files of all ages have sRGB's and Adobe RGB's,
 # which tell nothing.
 _RECENT = ("Display P3", "Rec.2020")
+# Names by which phones and tablets call themselves in EXIF, make and model in lower case.
+_PHONES = (
+    *("iphone", "ipad", "pixel", "nexus", "sm-", "gt-i", "galaxy", "xperia", "xq-", "huawei"),
+    *("honor", "xiaomi", "redmi", "poco", "oneplus", "oppo", "vivo", "realme", "motorola", "moto "),
+    *("nokia", "htc", "lge", "lg-", "zte", "asus_", "fairphone", "shield", "nothing", "tecno"),
+)
+
+
+def phone_leaning(camera: Camera) -> float:
+    """Log odds for a phone's response among modern ones; 0 where no camera is named.
+
+    As much a judgment as those of `modern_leaning`.
+    """
+    text = f"{camera.make} {camera.model}".lower()
+    if not text.strip():
+        return 0.0
+    return _ODDS if any(name in text for name in _PHONES) else -_ODDS
 
 
 def modern_leaning(camera: Camera, primaries: Primaries | None = None) -> float:

@@ -1,12 +1,13 @@
-"""One look at how neighbors differ all over a photo.
+"""One look at how neighbors differ in the windows of a photo.
 
-Whatever is asked of noise (`grain.py`, `texture.py`) follows from what is counted here.
+Whatever is asked of noise (`grain.py`, `texture.py`), of edges (`edges.py`) and of exposure follows
+from what is counted here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from functools import cache
 
 import cv2
@@ -16,141 +17,283 @@ import numpy.typing as npt
 from facecrf_ocio.values import CHANNELS, Float, Index, frozen
 
 LEVELS = 24
-LARGEST = 1023
+SIZES = 3
+"""As stored, at half the size, and at a quarter of it."""
 SECOND_DIFFERENCE = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32)
 """In both directions: of independent noise it has six times the deviation."""
 ROUNDING = 0.25
 """Added to a deviation before its logarithm: where 8 bits show none, there is still rounding."""
+RESIDUES = np.array(
+    [
+        *range(13),
+        *(14, 16, 18, 20, 22, 25, 28, 31, 35, 39, 44, 49, 55, 62, 70, 79, 89, 100, 113, 127, 143),
+        *(161, 182, 205, 231, 260, 293, 330, 372, 419, 472, 532, 599, 675, 760, 856, 1021),
+    ]
+)
+"""Smallest second difference of each bin, in 8-bit codes; by an eighth apart from twelve on."""
+EDGE_LEVELS = 8
+LAGS = ((0, 1), (1, 0)), ((1, 1),), ((0, 2), (2, 0))
+BLOCK = 8
+"""[px] Side of a JPEG's blocks."""
 
 _PAIRS = ((0, 1), (1, 2), (0, 2))
 _GREEN = 1
 _WHITE = 255
 _NEIGHBORS = np.ones((3, 3), np.uint8)
-_SIDE, _PARTS = 1024, 4
 _NARROWEST = 3
+_LARGEST = 1023
+_EDGE_SIZES = 2
+_FAINTEST = 24  # codes between the two sides of an edge
+_FLAT = 0.15  # of that, which the sides themselves may rise by
+_MOST_DIFFERENCE = 32  # codes: what counts of a difference for blocks, lest edges outweigh all
 
 Codes = npt.NDArray[np.uint8]
-HalfSize = npt.NDArray[np.uint16]
+Bool = npt.NDArray[np.bool_]
+Plane = npt.NDArray[np.uint8] | npt.NDArray[np.uint16]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NoiseCounts:
-    """Second differences of a photo, as stored and at half its size, at L uniform levels.
+    """Second differences, edges and levels of a photo's windows, at L uniform levels.
 
     Attributes
     ----------
     histograms
-        (2, 3, L, 1024) pixels of each channel by their absolute second difference, in 8-bit codes;
-        larger ones count as the largest. Where one of the nine pixels is clipped, none is counted.
-    same, opposite
-        (2, 3, L) by the level of green, how often the second differences of red and green, green
-        and blue, red and blue have the same sign, and how often the opposite one.
+        (3, 3, L, R) at each size (`SIZES`), pixels of each channel by their absolute second
+        difference in 8-bit codes (`RESIDUES`). Where one of the nine pixels is clipped, none is
+        counted.
+    pairs
+        (3, 3, 2, L) at each size, by the level of green, how often the second differences of red
+        and green, green and blue, red and blue have the same sign, and how often the opposite one.
+    lags
+        (3, 2, L) how often neighbors in green (`LAGS`) have second differences of the same sign,
+        and how often of opposite ones.
+    codes
+        (3, 256) pixels of each channel by their code.
+    blocks
+        (2, 8, 2) of differences down and across, by their place in a block: their sum, and number.
+    edges
+        (2, 8, 8, 3) at two sizes, by the levels of an edge's dark and bright side: edges in green,
+        the sum of their middles' place between the two sides, and of its square.
     """
 
     histograms: Float
-    same: Float
-    opposite: Float
+    pairs: Float
+    lags: Float
+    codes: Float
+    blocks: Float
+    edges: Float
 
     def __post_init__(self) -> None:
-        for name in ("histograms", "same", "opposite"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        for item in fields(self):
+            object.__setattr__(self, item.name, frozen(getattr(self, item.name)))
 
 
-def count_noise(encoded: npt.NDArray[np.float32]) -> NoiseCounts:
-    """Count a photo (H, W, 3), taken in 8 bits.
+def count_noise(
+    windows: Sequence[npt.NDArray[np.float32]],
+    masks: Sequence[Bool] | None = None,
+    weights: Sequence[float] | None = None,
+) -> NoiseCounts:
+    """Count windows (H, W, 3), taken in 8 bits.
 
-    Sides beyond 1024 pixels are sampled in four strips each, so that bright and dark surroundings
-    are seen and not the middle alone.
+    Parameters
+    ----------
+    windows
+        Encoded values; each begins where a JPEG's block does.
+    masks
+        (H, W) pixels to count, by their middle; all if None. Codes, blocks and edges are counted
+        all the same.
+    weights
+        How often each window counts; once if None.
     """
-    histograms = np.zeros((2, len(CHANNELS), LEVELS, LARGEST + 1))
-    signs = np.zeros((2, len(_PAIRS), 2, LEVELS))
-    for rows, columns in _windows(*encoded.shape[:2]):
-        codes = np.asarray(cv2.convertScaleAbs(encoded[rows, columns], alpha=_WHITE), np.uint8)
-        sizes: tuple[Codes | HalfSize, ...] = (codes, _halved(codes))
-        for size, pixels in enumerate(sizes):
-            if min(pixels.shape[:2]) < _NARROWEST:
-                continue
-            channels = np.ascontiguousarray(np.moveaxis(pixels, 2, 0))
-            planes = [_differences(channel, _WHITE * 4**size) for channel in channels]
-            for channel, plane in enumerate(planes):
-                histograms[size, channel] += _histogram(plane, 1 + size)
-            for number, (one, other) in enumerate(_PAIRS):
-                signs[size, number] += _signs(planes[one], planes[other], planes[_GREEN].level)
-    return NoiseCounts(histograms, signs[:, :, 0], signs[:, :, 1])
+    total = _Sums.zeros()
+    for number, window in enumerate(windows):
+        codes = np.asarray(cv2.convertScaleAbs(window, alpha=_WHITE), np.uint8)
+        own = _Sums.zeros()
+        own.count(codes, None if masks is None else masks[number])
+        total.add(own, 1.0 if weights is None else weights[number])
+    return NoiseCounts(*(getattr(total, item.name) for item in fields(total)))
 
 
-def quantile(counts: Float, share: float) -> float:
-    """Quantile of whole numbers with these counts, each spread evenly over half a unit around it.
+def quantile(counts: Float, share: float) -> Float:
+    """Quantiles (...) of counts (..., R), each bin spread evenly up to the next one; 0 of none.
 
-    Rounding to 8 bits leaves few distinct numbers, whose plain quantile would jump. 0 of none.
+    Rounding to 8 bits leaves few distinct numbers, whose plain quantile would jump: a number counts
+    for half a unit on either side.
     """
-    total = float(counts.sum())
-    if total == 0.0:
-        return 0.0
-    shares = np.concatenate([[0.0], np.cumsum(counts) / total])
-    edges = np.concatenate([[0.0], np.arange(counts.size) + 0.5])
-    return float(np.interp(share, shares, edges))
+    edges = np.append(np.maximum(RESIDUES - 0.5, 0.0), _LARGEST + 0.5)
+    below = np.cumsum(counts, axis=-1)
+    total = below[..., -1:]
+    wanted = share * total
+    place = np.minimum((below < wanted).sum(axis=-1, keepdims=True), counts.shape[-1] - 1)
+    inside = np.take_along_axis(counts, place, -1)
+    before = np.take_along_axis(below, place, -1) - inside
+    part = (wanted - before) / np.maximum(inside, 1e-12)
+    found = edges[place] + np.clip(part, 0.0, 1.0) * (edges[place + 1] - edges[place])
+    return np.where(total > 0.0, found, 0.0)[..., 0]
+
+
+@dataclass(slots=True, eq=False)
+class _Sums:
+    histograms: Float
+    pairs: Float
+    lags: Float
+    codes: Float
+    blocks: Float
+    edges: Float
+
+    @staticmethod
+    def zeros() -> _Sums:
+        return _Sums(
+            np.zeros((SIZES, len(CHANNELS), LEVELS, RESIDUES.size)),
+            np.zeros((SIZES, len(_PAIRS), 2, LEVELS)),
+            np.zeros((len(LAGS), 2, LEVELS)),
+            np.zeros((len(CHANNELS), _WHITE + 1)),
+            np.zeros((2, BLOCK, 2)),
+            np.zeros((_EDGE_SIZES, EDGE_LEVELS, EDGE_LEVELS, 3)),
+        )
+
+    def add(self, other: _Sums, weight: float) -> None:
+        for item in fields(self):
+            total = getattr(self, item.name)
+            total += weight * getattr(other, item.name)
+
+    def count(self, codes: Codes, mask: Bool | None) -> None:
+        channels: Sequence[Plane] = [np.asarray(c, np.uint8) for c in cv2.split(codes)]
+        for c, channel in enumerate(channels):
+            self.codes[c] += np.bincount(channel.ravel(), minlength=_WHITE + 1)
+        self.blocks += _block_sums(np.asarray(channels[_GREEN], np.uint8))
+        for size in range(SIZES):
+            if size:
+                channels = [_halved(channel) for channel in channels]
+                mask = None if mask is None else mask[1::2, 1::2]
+            if min(channels[0].shape) < _NARROWEST:
+                return
+            self._count_size(channels, size, mask)
+
+    def _count_size(self, channels: Sequence[Plane], size: int, mask: Bool | None) -> None:
+        white = _WHITE * 4**size
+        planes = [_differences(channel, white, mask) for channel in channels]
+        for channel, plane in enumerate(planes):
+            self.histograms[size, channel] += _histogram(plane, 2**size)
+        for number, (one, other) in enumerate(_PAIRS):
+            self.pairs[size, number] += _signs(planes[one], planes[other], planes[_GREEN].level)
+        if size < _EDGE_SIZES:
+            self.edges[size] += _edge_sums(channels[_GREEN], white)
+        if size == 0:
+            self.lags += _lag_signs(planes[_GREEN])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Differences:
-    """Of each pixel inside a plane; `unclipped` is False where black or white is near."""
+    """Of each pixel inside a plane; `counted` is False where black or white is near."""
 
-    residue: npt.NDArray[np.int16]
+    residue: npt.NDArray[np.int32]
     level: npt.NDArray[np.uint8]
-    unclipped: npt.NDArray[np.bool_]
+    counted: Bool
 
 
-def _windows(height: int, width: int) -> Iterator[tuple[slice, slice]]:
-    """The whole photo, or parts of it spread over sides that are longer than `_SIDE`."""
-
-    def cuts(size: int) -> list[slice]:
-        if size <= _SIDE:
-            return [slice(0, size)]
-        part = _SIDE // _PARTS
-        return [slice(s, s + part) for s in np.linspace(0, size - part, _PARTS).astype(int)]
-
-    return ((rows, columns) for rows in cuts(height) for columns in cuts(width))
-
-
-def _halved(codes: Codes) -> HalfSize:
+def _halved(plane: Plane) -> npt.NDArray[np.uint16]:
     """Sums of two by two pixels: the means of four times their values."""
-    height, width = codes.shape[0] // 2, codes.shape[1] // 2
+    height, width = plane.shape[0] // 2, plane.shape[1] // 2
     if not height or not width:
-        return np.zeros((0, 0, len(CHANNELS)), np.uint16)
-    whole = codes[: 2 * height, : 2 * width].astype(np.uint16) * np.uint16(4)
+        return np.zeros((0, 0), np.uint16)
+    whole = plane[: 2 * height, : 2 * width].astype(np.uint16) * np.uint16(4)
     return np.asarray(cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA), np.uint16)
 
 
-def _differences(plane: Codes | HalfSize, white: int) -> _Differences:
+def _differences(plane: Plane, white: int, mask: Bool | None) -> _Differences:
     inside = slice(1, -1), slice(1, -1)
-    sums = cv2.boxFilter(plane, cv2.CV_16U, (3, 3), normalize=False)[inside]
+    sums = cv2.boxFilter(plane, cv2.CV_32F, (3, 3), normalize=False)[inside]
     # OpenCV has no filter from 16 bits to signed 16 bits.
     depth = cv2.CV_16S if plane.dtype == np.uint8 else cv2.CV_32F
-    residue = cv2.filter2D(plane, depth, SECOND_DIFFERENCE)[inside].astype(np.int16)
+    residue = cv2.filter2D(plane, depth, SECOND_DIFFERENCE)[inside].astype(np.int32)
     brightest, darkest = (change(plane, _NEIGHBORS)[inside] for change in (cv2.dilate, cv2.erode))
-    unclipped = (brightest < white) & (darkest > 0)
-    return _Differences(residue, _level_of_sum(white)[sums], unclipped)
+    counted = (brightest < white) & (darkest > 0)
+    if mask is not None:
+        counted &= mask[: plane.shape[0], : plane.shape[1]][inside]
+    level = (sums * np.float32(LEVELS / (9 * white + 1))).astype(np.uint8)
+    return _Differences(residue, level, counted)
 
 
 @cache
-def _level_of_sum(white: int) -> npt.NDArray[np.uint8]:
-    """Level of each possible sum of nine pixels."""
-    level = np.arange(9 * white + 1) * LEVELS // (9 * white)
-    return np.minimum(level, LEVELS - 1).astype(np.uint8)
+def _bin_of_residue() -> npt.NDArray[np.uint16]:
+    """Bin of each second difference up to the largest."""
+    return (np.searchsorted(RESIDUES, np.arange(_LARGEST + 1), side="right") - 1).astype(np.uint16)
 
 
 def _histogram(differences: _Differences, unit: int) -> Index:
-    """(L, 1024) unclipped pixels by level and absolute second difference over `unit`."""
-    size = np.minimum(np.abs(differences.residue) // np.int16(unit), LARGEST).astype(np.uint16)
-    cells = differences.level * np.uint16(LARGEST + 1) + size
-    counts = np.bincount(cells[differences.unclipped], minlength=LEVELS * (LARGEST + 1))
-    return counts.reshape(LEVELS, -1)
+    """(L, R) counted pixels by level and absolute second difference over `unit`."""
+    counted = differences.counted
+    size = np.minimum(np.abs(differences.residue[counted]) // unit, _LARGEST)
+    cells = differences.level[counted] * np.uint16(RESIDUES.size) + _bin_of_residue()[size]
+    return np.bincount(cells, minlength=LEVELS * RESIDUES.size).reshape(LEVELS, -1)
 
 
 def _signs(one: _Differences, other: _Differences, level: npt.NDArray[np.uint8]) -> Index:
     """(2, L) pixels where both have the same sign, and where they have opposite ones."""
-    chosen = one.unclipped & other.unclipped & (one.residue != 0) & (other.residue != 0)
+    chosen = one.counted & other.counted & (one.residue != 0) & (other.residue != 0)
     opposed = (one.residue < 0) ^ (other.residue < 0)
     cells = level + np.uint8(LEVELS) * opposed
     return np.bincount(cells[chosen], minlength=2 * LEVELS).reshape(2, LEVELS)
+
+
+def _lag_signs(plane: _Differences) -> Index:
+    """(3, 2, L) as `NoiseCounts.lags`."""
+    found = np.zeros((len(LAGS), 2, LEVELS), np.intp)
+    height, width = plane.level.shape
+    for number, lags in enumerate(LAGS):
+        for down, right in lags:
+            if height <= down or width <= right:
+                continue
+            here, there = (
+                _Differences(plane.residue[s], plane.level[s], plane.counted[s])
+                for s in (
+                    (slice(0, height - down), slice(0, width - right)),
+                    (slice(down, None), slice(right, None)),
+                )
+            )
+            found[number] += _signs(here, there, here.level)
+    return found
+
+
+def _block_sums(green: Codes) -> Float:
+    """(2, 8, 2) as `NoiseCounts.blocks`."""
+    found = np.zeros((2, BLOCK, 2))
+    for axis, plane in enumerate((green, green.T)):
+        if len(plane) < _NARROWEST:
+            continue
+        step = np.minimum(cv2.absdiff(plane[1:], plane[:-1]), _MOST_DIFFERENCE)
+        rows = step.sum(axis=1, dtype=np.float64)
+        place = np.arange(len(rows)) % BLOCK
+        found[axis, :, 0] = np.bincount(place, rows, minlength=BLOCK)
+        found[axis, :, 1] = np.bincount(place, minlength=BLOCK) * step.shape[1]
+    return found
+
+
+def _edge_sums(plane: Plane, white: int) -> Float:
+    """(8, 8, 3) as one size of `NoiseCounts.edges`: steps within four pixels, flat on both sides.
+
+    In linear light a blur is as far from one side as from the other, so the mean of an edge's
+    middle pixels lies halfway on the average (after Lin and Zhang, CVPR 2005).
+    """
+    found = np.zeros((EDGE_LEVELS * EDGE_LEVELS, 3))
+    values = plane.astype(np.float32) * np.float32(_WHITE / white)
+    for p in (values, values.T):
+        if len(p) < 7:
+            continue
+        run = [p[i : len(p) - 6 + i] for i in range(7)]
+        rise = run[5] - run[1]
+        chosen = np.abs(rise) >= _FAINTEST
+        run = [r[chosen] for r in run]
+        rise = rise[chosen]
+        step = [(run[i + 1] - run[i]) / rise for i in range(6)]
+        steady = np.minimum.reduce(step[1:5]) >= 0.0
+        steady &= (np.abs(step[0]) <= _FLAT) & (np.abs(step[5]) <= _FLAT)
+        low, high = np.minimum(run[1], run[5])[steady], np.maximum(run[1], run[5])[steady]
+        middle = ((run[2] + run[3] + run[4])[steady] / 3.0 - low) / np.maximum(high - low, 1.0)
+        unit = (_WHITE + 1) / EDGE_LEVELS
+        cells = (low // unit).astype(np.intp) * EDGE_LEVELS + (high // unit).astype(np.intp)
+        for power in range(3):
+            found[:, power] += np.bincount(cells, middle**power, minlength=len(found))
+    return found.reshape(EDGE_LEVELS, EDGE_LEVELS, 3)

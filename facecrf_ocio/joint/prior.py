@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -13,7 +14,8 @@ from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.settings import PRIORS
 from facecrf_ocio.values import Float, frozen
 
-FAMILIES = ("dorf", "modern")
+FAMILIES = ("dorf", "camera", "phone")
+"""Film and early cameras; digital cameras and raw converters; phones and webcams."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,16 +61,19 @@ class Posterior:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FamilyPrior:
-    """Responses of several families as one Gaussian mixture over eleven coefficients.
+    """Responses of several families as one Gaussian mixture over a dozen coefficients.
+
+    The coefficients are those of the root of light: what is even there is nearly even in stops, so
+    that shadows count as well as lights, and noise is summed to the root of light (`grain.py`).
 
     Attributes
     ----------
     grid
         (K,) uniform encoded values from 0 to 1.
     mean
-        (K,) mean inverse response.
+        (K,) mean of the root of linear light.
     basis
-        (M, K) eigenvectors, scaled so that coefficients have unit variance.
+        (M, K) its eigenvectors, scaled so that coefficients have unit variance.
     weights, means, covariances
         Of the mixture's components, (C,), (C, M), (C, M, M).
     family
@@ -88,10 +93,14 @@ class FamilyPrior:
             object.__setattr__(self, name, frozen(getattr(self, name)))
 
     def samples(self, coefficients: Float) -> Float:
-        """Curves on the grid, (..., M) -> (..., K); neither clamped nor made monotone."""
+        """Curves on the grid, (..., M) -> (..., K); not made monotone."""
+        return np.asarray(np.maximum(self.roots(coefficients), 0.0) ** 2)
+
+    def roots(self, coefficients: Float) -> Float:
+        """Roots of linear light on the grid, (..., M) -> (..., K)."""
         return np.asarray(self.mean + coefficients @ self.basis)
 
-    def weights_for(self, prior: str, leaning: float = 0.0) -> Float:
+    def weights_for(self, prior: str, leaning: float = 0.0, phone: float = 0.0) -> Float:
         """Weights of the components, (C,).
 
         Parameters
@@ -99,7 +108,10 @@ class FamilyPrior:
         prior
             `dorf`, `modern`, or `auto` for both.
         leaning
-            Log odds that the file's metadata add to `modern` where the prior is `auto`.
+            Log odds that the file's metadata add to `modern`, which is cameras and phones, where
+            the prior is `auto`.
+        phone
+            Log odds that they add to phones against cameras among modern ones.
 
         Raises
         ------
@@ -108,9 +120,10 @@ class FamilyPrior:
         """
         if prior not in PRIORS:
             raise SettingsError(f"no prior {prior!r}; known: {', '.join(PRIORS)}")
-        modern = 1.0 / (1.0 + np.exp(-leaning))
-        odds = {"auto": (1.0 - modern, modern), "dorf": (1.0, 0.0), "modern": (0.0, 1.0)}[prior]
-        weights = self.weights * np.asarray(odds)[self.family.astype(np.intp)]
+        modern, small = (1.0 / (1.0 + np.exp(-odds)) for odds in (leaning, phone))
+        modern = {"auto": modern, "dorf": 0.0, "modern": 1.0}[prior]
+        odds = np.array([1.0 - modern, modern * (1.0 - small), modern * small])
+        weights = self.weights * odds[self.family.astype(np.intp)]
         return np.asarray(weights / weights.sum())
 
     def posterior(self, message: Message | None, weights: Float) -> Posterior:
@@ -130,26 +143,32 @@ class FamilyPrior:
         return Posterior(share / share.sum(), means, covariances)
 
     def deviations(self, posterior: Posterior) -> Float:
-        """(K,) standard deviation of the posterior's curves on the grid."""
+        """(K,) standard deviation of the posterior's curves on the grid.
+
+        Of a Gaussian root with mean m and variance v: its square has the variance
+        4 m^2 v + 2 v^2.
+        """
         variance = np.einsum("mk,mn,nk->k", self.basis, posterior.covariance, self.basis)
-        return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
+        variance = np.maximum(variance, 0.0)
+        mean = self.roots(posterior.mean)
+        return np.asarray(np.sqrt(4.0 * mean**2 * variance + 2.0 * variance**2))
 
 
-def load_prior(path: Path) -> FamilyPrior:
-    """Read the arrays of a prior from the file that `train` writes."""
-    with np.load(path) as stored:
-        mean = stored["prior_mean"]
-        return FamilyPrior(
-            np.linspace(0.0, 1.0, mean.size),
-            mean,
-            *(
-                stored[f"prior_{name}"]
-                for name in ("basis", "weights", "means", "covariances", "family")
-            ),
-        )
+def prior_of(arrays: Mapping[str, Float]) -> FamilyPrior:
+    """The prior in the arrays of a file of weights."""
+    mean = arrays["prior_mean"]
+    return FamilyPrior(
+        np.linspace(0.0, 1.0, mean.size),
+        mean,
+        *(
+            arrays[f"prior_{name}"]
+            for name in ("basis", "weights", "means", "covariances", "family")
+        ),
+    )
 
 
 @cache
 def shipped_prior() -> FamilyPrior:
     """The prior that ships, fitted to DoRF and to published modern responses."""
-    return load_prior(Path(str(files("facecrf_ocio.joint") / "joint_model.npz")))
+    with np.load(Path(str(files("facecrf_ocio.joint") / "joint_model.npz"))) as stored:
+        return prior_of(stored)

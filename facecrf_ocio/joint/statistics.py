@@ -20,22 +20,27 @@ import numpy.typing as npt
 from facecrf_ocio.face import regions
 from facecrf_ocio.face.skin_mask import find_skin
 from facecrf_ocio.face.view import MIN_SKIN_PIXELS, FaceView
+from facecrf_ocio.joint.edges import edge_profile
 from facecrf_ocio.joint.grain import measure_noise, noise_curve
-from facecrf_ocio.joint.noise_counts import SECOND_DIFFERENCE, count_noise
+from facecrf_ocio.joint.noise_counts import LEVELS, NoiseCounts, count_noise
 from facecrf_ocio.joint.texture import noise_character
-from facecrf_ocio.photo.pixels import in_8_bits
+from facecrf_ocio.joint.windows import Window, face_windows, photo_windows
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.values import Float, frozen
+from facecrf_ocio.values import Bool, Float, frozen
 
-CUES = ("grain", "shading", "highlights", "pigments", "noise", "eyes")
+FACE_CUES = ("shading", "highlights", "pigments", "eyes")
+"""Measured on the face at its working size."""
+CUES = ("grain", "noise", "edges", "exposure", *FACE_CUES)
 SHADING_BINS = 12
 PIGMENT_BINS = 4
-NOISE_BINS = 8
+EXPOSURE_QUANTILES = (0.02, 0.1, 0.25, 0.5, 0.75, 0.9, 0.98)
 HIGHLIGHT_QUANTILES = (0.9, 0.95, 0.98, 0.995)
 EYE_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 _DARKEST = 0.5 / 255.0
-_QUANTIZATION = 0.3 / 255.0
 _MIN_EYE_PIXELS = 20
+_ALMOST_WHITE, _ALMOST_BLACK = 253, 3  # codes
+_RIGHT_LIDS, _LEFT_LIDS = (33, 133, 159, 145), (263, 362, 386, 374)  # corners, then lids
+_CLOSED = 0.12  # height over width of an eye's opening
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,38 +53,64 @@ class Statistics:
         For each cue of `CUES` that the photo shows, its vector.
     encoded
         (N, 3) a sample of the encoded values that they rest on.
+    skin
+        (H, W) which pixels of the face at working size are skin.
     """
 
     by_cue: Mapping[str, Float]
     encoded: Float
+    skin: Bool
 
 
-def photo_statistics(encoded: npt.NDArray[np.float32]) -> dict[str, Float]:
-    """Statistics of a whole photo (H, W, 3), taken in 8 bits, that need no face: `grain`.
-
-    Noise against level, and how far it is noise. Empty where every pixel is clipped.
-    """
-    counts = count_noise(encoded)
-    curve = noise_curve(measure_noise(counts))
-    if curve is None:
-        return {}
-    return {"grain": np.concatenate([curve, noise_character(counts)])}
+def photo_counts(encoded: npt.NDArray[np.float32]) -> NoiseCounts:
+    """What the windows of a whole photo (H, W, 3) hold; it needs no face."""
+    return count_noise([encoded[window] for window in photo_windows(*encoded.shape[:2])])
 
 
-def face_statistics(
-    view: FaceView, settings: Settings, *, to_8_bits: bool = False
-) -> Statistics | None:
-    """Statistics of one face; None where it shows too little skin.
+def skin_counts(
+    encoded: npt.NDArray[np.float32], view: FaceView, skin: npt.NDArray[np.bool_]
+) -> NoiseCounts:
+    """What the windows of a face hold where they show skin.
 
     Parameters
     ----------
-    view
-        The face at its working size, and as stored: only there is the noise the sensor's.
-    settings
-        For the skin mask.
-    to_8_bits
-        Round the native pixels to 8 bits, as those at working size have been by `cut_face`.
+    encoded
+        (H, W, 3) the whole photo.
+    view, skin
+        The face cut out of it, and which of its pixels at working size are skin.
     """
+    windows = face_windows(view.face.landmarks_xyz, *encoded.shape[:2])
+    return count_noise(
+        [encoded[window] for window in windows],
+        [resampled(skin, view.frame, window) for window in windows],
+    )
+
+
+def counted_statistics(photo: NoiseCounts, skin: NoiseCounts) -> dict[str, Float]:
+    """Statistics that follow from counts: `grain`, `noise`, `edges` and `exposure`.
+
+    Noise against level and how far it is noise, all over the photo and on the skin, where edges
+    have their middles, and how bright the photo is. Empty where every pixel is clipped.
+    """
+    found = {}
+    for cue, counts in (("grain", photo), ("noise", skin)):
+        curve = noise_curve(measure_noise(counts))
+        if curve is None:
+            continue
+        coarse = noise_curve(measure_noise(counts, 1))
+        coarse = np.zeros(LEVELS + 1) if coarse is None else coarse[: LEVELS + 1]
+        found[cue] = np.concatenate([curve, coarse, noise_character(counts)])
+    if "grain" in found:
+        found["grain"] = np.concatenate([found["grain"], _blocks(photo)])
+    edges = edge_profile(photo)
+    if edges is not None:
+        found["edges"] = edges
+    found["exposure"] = _exposure(photo)
+    return found
+
+
+def face_statistics(view: FaceView, settings: Settings) -> Statistics | None:
+    """Statistics of one face at its working size; None where it shows too little skin."""
     mask = find_skin(view.encoded, view.geometry.bare_skin, settings)
     if int(mask.skin.sum()) < MIN_SKIN_PIXELS:
         return None
@@ -90,13 +121,10 @@ def face_statistics(
         "highlights": _highlights(view.encoded[view.geometry.bare_skin].astype(np.float64)),
         "pigments": _pigments(skin),
     }
-    noise = _noise(view.native, mask.skin, to_8_bits)
-    if noise is not None:
-        found["noise"] = noise
     eyes = _eyes(view, skin)
     if eyes is not None:
         found["eyes"] = eyes
-    return Statistics(found, frozen(skin[:: max(1, len(skin) // 512)]))
+    return Statistics(found, frozen(skin[:: max(1, len(skin) // 512)]), mask.skin)
 
 
 def _shading(skin: Float) -> Float:
@@ -134,41 +162,49 @@ def _pigments(skin: Float) -> Float:
     return np.array(numbers)
 
 
-def _noise(
-    native: npt.NDArray[np.float32], skin: npt.NDArray[np.bool_], to_8_bits: bool
-) -> Float | None:
-    """Log deviation of the noise at each brightness of the skin.
+def _blocks(counts: NoiseCounts) -> Float:
+    """(10,) how strongly a JPEG's blocks show: differences between blocks over those inside.
 
-    From a second difference that smooth shading and its slope do not enter.
+    Also how much of the codes is unused between the first and the last: what is left by a curve
+    that was applied to codes.
     """
-    green = np.ascontiguousarray(native[..., 1])
-    green = in_8_bits(green) if to_8_bits else green
-    height, width = green.shape
-    inside = cv2.resize(skin.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)
-    inside[[0, -1]] = 0
-    inside[:, [0, -1]] = 0
-    chosen = inside > 0
-    if int(chosen.sum()) < MIN_SKIN_PIXELS:
-        return None
-    level = cv2.blur(green, (3, 3))[chosen]
-    residue = cv2.filter2D(green, -1, SECOND_DIFFERENCE / 6.0)[chosen]
-    np.abs(residue, out=residue)
-    del green, inside, chosen  # of a large face they are a tenth of what a worker may take
-    order = np.argsort(level, kind="stable")
-    deviations = [
-        1.4826 * np.median(part) + _QUANTIZATION
-        for part in np.array_split(residue[order], NOISE_BINS)
-    ]
-    levels = [float(part.mean()) for part in np.array_split(level[order], NOISE_BINS)]
-    return np.array([*np.log(deviations), *levels])
+    total, number = np.moveaxis(counts.blocks, 2, 0)
+    mean = total / np.maximum(number, 1.0) + 1e-2
+    inside = mean[:, :-1].mean(axis=1)
+    logs = np.log(mean / inside[:, None])
+    holes = []
+    for channel in counts.codes:
+        seen = np.flatnonzero(channel)
+        around = np.convolve(channel, np.ones(5) / 5.0, "same")
+        span = slice(seen[0], seen[-1] + 1) if seen.size else slice(None)
+        holes.append(float((channel[span] < 0.2 * around[span]).mean()))
+    return np.array([*logs[:, -1], *logs[:, 3], *np.log(inside), logs.std(), *holes])
+
+
+def _exposure(counts: NoiseCounts) -> Float:
+    """Quantiles of green in the windows, shares of each channel that are clipped, and means.
+
+    What auto-exposure tells: where a photo's middle lies, and how much of it is white or black.
+    """
+    green = np.cumsum(counts.codes[1]) / max(float(counts.codes[1].sum()), 1.0)
+    quantiles = np.searchsorted(green, EXPOSURE_QUANTILES) / 255.0
+    share = counts.codes / np.maximum(counts.codes.sum(axis=1, keepdims=True), 1.0)
+    white, black = share[:, _ALMOST_WHITE:].sum(axis=1), share[:, :_ALMOST_BLACK].sum(axis=1)
+    mean = share @ (np.arange(256) / 255.0)
+    return np.concatenate([quantiles, np.log(white + 1e-3), np.log(black + 1e-3), mean])
 
 
 def _eyes(view: FaceView, skin: Float) -> Float | None:
-    """Luma quantiles in the eyes, from pupil to sclera, beside the skin's."""
+    """Luma quantiles in the eyes, from pupil to sclera, beside the skin's.
+
+    None where they are closed or too small to be seen.
+    """
     mask = np.zeros(view.encoded.shape[:2], np.uint8)
     for outline in (regions.RIGHT_EYE, regions.LEFT_EYE):
         hull = np.rint((view.geometry.vertices[list(outline), :2] - 0.5) * 16.0)
         cv2.fillPoly(mask, [hull.astype(np.int32)], 1, shift=4)
+    if _opening(view.geometry.vertices) < _CLOSED:
+        return None
     inside = view.encoded[mask > 0].astype(np.float64)
     if len(inside) < _MIN_EYE_PIXELS:
         return None
@@ -176,3 +212,43 @@ def _eyes(view: FaceView, skin: Float) -> Float | None:
     bright = inside[inside.mean(axis=1) >= quantiles[-2]].mean(axis=0)
     middle = np.quantile(skin.mean(axis=1), (0.1, 0.5, 0.9))
     return np.array([*quantiles, *bright, *middle])
+
+
+def _opening(vertices: Float) -> float:
+    """Height over width of the wider opened eye."""
+    ratios = []
+    for outer, inner, upper, lower in (_RIGHT_LIDS, _LEFT_LIDS):
+        width = float(np.linalg.norm(vertices[outer, :2] - vertices[inner, :2]))
+        height = float(np.linalg.norm(vertices[upper, :2] - vertices[lower, :2]))
+        ratios.append(height / max(width, 1e-6))
+    return max(ratios)
+
+
+def resampled(
+    skin: npt.NDArray[np.bool_], frame: tuple[float, float, float, float], window: Window
+) -> npt.NDArray[np.bool_]:
+    """A mask at working size as the pixels of one window of the photo have it.
+
+    Parameters
+    ----------
+    skin
+        (H, W) at working size.
+    frame
+        x and y of its upper left corner, and its width and height, in pixels of the photo.
+    window
+        Of the photo.
+    """
+    left, top, width, height = frame
+    rows, columns = (
+        (np.arange(part.start, part.stop) + 0.5 - begin) * count / size
+        for part, begin, size, count in (
+            (window[0], top, height, skin.shape[0]),
+            (window[1], left, width, skin.shape[1]),
+        )
+    )
+    inside = np.zeros((rows.size, columns.size), bool)
+    r, c = (
+        np.flatnonzero((p >= 0) & (p < n)) for p, n in zip((rows, columns), skin.shape, strict=True)
+    )
+    inside[np.ix_(r, c)] = skin[np.ix_(rows[r].astype(np.intp), columns[c].astype(np.intp))]
+    return inside

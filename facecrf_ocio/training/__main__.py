@@ -1,21 +1,46 @@
 """Train `joint`: `python -m facecrf_ocio.training --help`.
 
-First `simulate`, once for each part of the heads, then `fit` from what the parts stored.
+`reproduce` does all of it with the numbers that the shipped weights were made with: `simulate`,
+then `fit` for the weights that ship and for those that the bench holds responses out of.
 """
 
 from __future__ import annotations
 
-import pickle
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import click
-import cv2
-import numpy as np
-import numpy.typing as npt
 
-from facecrf_ocio.training.curves import FOLDS, read_curves, rows_outside
-from facecrf_ocio.training.simulate import Example, simulate
+from facecrf_ocio.training.parts import read_parts
+from facecrf_ocio.training.plan import (
+    EPOCHS,
+    HELD_OUT_MEMBERS,
+    MEMBERS,
+    PARTS,
+    SEED,
+    Data,
+    held_out_names,
+    left_out,
+)
+from facecrf_ocio.training.simulate_parts import simulate_parts
+from facecrf_ocio.training.weights import pack
+
+_FOLDER = click.Path(path_type=Path, file_okay=False)
+_FILE = click.Path(path_type=Path, dir_okay=False)
+_DATA = click.option(
+    "--data", required=True, type=_FOLDER, help="Folder with crf/, faces/rendered/ and scenes/."
+)
+
+
+def _numbers(command: Callable[..., None]) -> Callable[..., None]:
+    for option in (
+        click.option("--parts", default=PARTS, show_default=True, help="Of 72 photos each."),
+        click.option("--seed", default=SEED, show_default=True),
+        click.option("--processes", default=2, show_default=True),
+    ):
+        command = option(command)
+    return command
 
 
 @click.group()
@@ -24,83 +49,71 @@ def main() -> None:
 
 
 @main.command("simulate")
-@click.argument("heads", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--dorf", required=True, type=click.Path(path_type=Path))
-@click.option("--modern", required=True, type=click.Path(path_type=Path))
-@click.option("--count", default=500, show_default=True, help="Photos of each head.")
-@click.option("--seed", default=0, show_default=True)
-@click.option("-o", "--output", required=True, type=click.Path(path_type=Path))
-def simulate_command(
-    heads: tuple[Path, ...], dorf: Path, modern: Path, count: int, seed: int, output: Path
-) -> None:
-    """Photograph linear HEADS through drawn responses and store their statistics."""
-    cv2.setNumThreads(1)
-    source = read_curves(dorf, modern)
-    examples = [example for head in heads for example in simulate(head, source, count, seed)]
-    output.write_bytes(pickle.dumps(examples))
+@_DATA
+@_numbers
+@click.option("-o", "--output", required=True, type=_FOLDER, help="Parts that are there are kept.")
+def simulate_command(data: Path, parts: int, seed: int, processes: int, output: Path) -> None:
+    """Photograph linear heads through drawn responses and store what is counted in the photos."""
+    simulate_parts(Data(data), output, parts, seed, processes)
 
 
 @main.command("fit")
-@click.argument("parts", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--fold", type=click.IntRange(0, FOLDS - 1), help="Fold of DoRF to hold out.")
-@click.option("--without", multiple=True, metavar="MAKER", help="Modern maker to hold out.")
-@click.option("--modern", type=click.Path(path_type=Path), help="The file that names the makers.")
-@click.option("--rows", default=201, show_default=True, help="Responses in DoRF.")
-@click.option("--epochs", default=20, show_default=True)
-@click.option("--members", default=3, show_default=True)
-@click.option("--band-scale", default=1.0, show_default=True, help="As `JointModel` explains.")
-@click.option("-o", "--output", required=True, type=click.Path(path_type=Path))
-def fit_command(parts: tuple[Path, ...], output: Path, **choices: Any) -> None:
-    """Fit prior and networks to the PARTS that `simulate` stored (only load your own files)."""
-    import torch  # noqa: PLC0415
+@_DATA
+@click.argument("folder", type=_FOLDER)
+@click.option(
+    "--without",
+    type=click.Choice(held_out_names()),
+    help="Responses to hold out: a fold of DoRF, of makers, or the measured stacks.",
+)
+@click.option("--parts", default=PARTS, show_default=True)
+@click.option("--epochs", default=EPOCHS, show_default=True)
+@click.option("--members", default=MEMBERS, show_default=True)
+@click.option("-o", "--output", required=True, type=_FILE)
+def fit_command(folder: Path, data: Path, without: str | None, **choices: Any) -> None:
+    """Fit prior and networks to the parts that `simulate` stored in FOLDER."""
+    from facecrf_ocio.training.fit import Training, fit_joint  # noqa: PLC0415
 
-    from facecrf_ocio.training.fit import (  # noqa: PLC0415
-        Training,
-        fit_networks,
-        fit_prior,
-        save_joint,
-    )
-
-    torch.set_num_threads(1)
-    examples: list[Example] = []
-    for part in parts:
-        examples += pickle.loads(part.read_bytes())  # noqa: S301
-    examples = _kept(examples, **choices)
-    prior, analysis = fit_prior(
-        np.array([e.inverse for e in examples], dtype=np.float64),
-        np.array([e.family for e in examples]),
-    )
+    source = Data(data)
+    paths = sorted(folder.glob("part*.npz"))[: choices["parts"]]
+    examples = read_parts(paths, source.curves().kind)
+    kept = examples if without is None else examples.where(~left_out(without, examples, source))
     training = Training(epochs=choices["epochs"], members=choices["members"])
-    networks = [
-        fit_networks(examples, prior, analysis, training, seed) for seed in range(training.members)
-    ]
-    save_joint(output, prior, networks, choices["band_scale"])
+    fit_joint(choices["output"], kept, training, without)
 
 
-def _kept(
-    examples: list[Example],
-    *,
-    fold: int | None,
-    rows: int,
-    without: tuple[str, ...],
-    modern: Path | None,
-    **_: object,
-) -> list[Example]:
-    """The examples of responses that are not held out."""
-    if fold is not None:
-        examples = _leave_out(examples, 0, ~rows_outside(fold, rows))
-    if not without:
-        return examples
-    if modern is None:
-        raise click.UsageError("--without needs --modern, the file that names the makers")
-    with np.load(modern) as stored:
-        return _leave_out(examples, 1, np.isin(stored["maker"], without))
+@main.command("reproduce")
+@_DATA
+@_numbers
+@click.option("--work", type=_FOLDER, default=Path("training"), show_default=True)
+@click.option("-o", "--output", required=True, type=_FILE, help="The weights that ship.")
+@click.option("--held-out", type=_FILE, help="The bench's weights, all in one file.")
+def reproduce_command(
+    data: Path,
+    parts: int,
+    seed: int,
+    processes: int,
+    work: Path,
+    output: Path,
+    held_out: Path | None,
+) -> None:
+    """Simulate and fit everything anew; what WORK holds already is not made again."""
+    from facecrf_ocio.training.fit import Training, fit_joint  # noqa: PLC0415
 
-
-def _leave_out(examples: list[Example], family: int, rows: npt.NDArray[np.bool_]) -> list[Example]:
-    """All but the examples that hold one of these responses of a family, alone or mixed."""
-    held_out = set(np.flatnonzero(rows))
-    return [e for e in examples if e.family != family or not held_out & {e.row, e.mixed_with}]
+    source = Data(data)
+    simulate_parts(source, work / "parts", parts, seed, processes)
+    paths = sorted((work / "parts").glob("part*.npz"))[:parts]
+    examples = read_parts(paths, source.curves().kind)
+    if not output.exists():
+        fit_joint(output, examples, Training(epochs=EPOCHS, members=MEMBERS), None)
+    if held_out is None:
+        return
+    made = {}
+    for name in held_out_names():
+        made[name] = work / f"without_{name}.npz"
+        if not made[name].exists():
+            kept = examples.where(~left_out(name, examples, source))
+            fit_joint(made[name], kept, Training(epochs=EPOCHS, members=HELD_OUT_MEMBERS), name)
+    pack(held_out, made)
 
 
 if __name__ == "__main__":

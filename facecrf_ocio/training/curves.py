@@ -18,7 +18,7 @@ _POWERS = 0.15  # share of pure powers among the varied curves of DoRF's family
 _RARE = 0.25  # root mean square distance from the mean curve
 NO_ROW = -1
 _STRANGERS = 0.4  # share of mixed modern responses whose second is of any kind and maker
-_KINDS = {"camera_jpeg": 0.4, "webcam": 0.35, "phone_isp": 0.2, "raw_converter": 0.05}
+_KINDS = {"camera_jpeg": 0.45, "webcam": 0.25, "phone_isp": 0.25, "raw_converter": 0.05}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,14 +125,23 @@ class CurveSource:
         return row, other, (1.0 - share) * curve + share * self.modern[other]
 
 
-def read_curves(dorf: Path, modern: Path) -> CurveSource:
-    """Read DoRF's .mat file, and an .npz with `inverse` and `kind`."""
+def read_curves(dorf: Path, *modern: Path) -> CurveSource:
+    """Read DoRF's .mat file, and files .npz with `inverse`, `kind` and `maker`, one after another.
+
+    Of cameras that were measured in each channel, green counts where the file grades its curves:
+    it is the best measured there.
+    """
     film = read_responses(dorf).inverse[:, 0]
-    digital = read_responses(modern).inverse.mean(axis=1)
-    with np.load(modern) as stored:
-        kind = tuple(str(k) for k in stored["kind"])
-        maker = tuple(str(m) for m in stored["maker"])
-    return CurveSource(film, digital, kind, maker)
+    digital: list[Float] = []
+    kind: list[str] = []
+    maker: list[str] = []
+    for path in modern:
+        inverse = read_responses(path).inverse
+        with np.load(path) as stored:
+            digital.append(inverse[:, 1] if "grade" in stored.files else inverse.mean(axis=1))
+            kind += [str(k) for k in stored["kind"]]
+            maker += [str(m) for m in stored["maker"]]
+    return CurveSource(film, np.concatenate(digital), tuple(kind), tuple(maker))
 
 
 def fold_of_rows(count: int) -> Index:

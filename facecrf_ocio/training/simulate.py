@@ -1,34 +1,31 @@
-"""Photos of linear heads through drawn responses, reduced to the statistics that are learned from.
-
-A head is detected and its mesh is laid once; every draw then encodes it anew.
-"""
+"""Photos of linear heads through drawn responses, reduced to the counts that are learned from."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from pathlib import Path
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.errors import PhotoError
-from facecrf_ocio.face.detect import find_faces
-from facecrf_ocio.face.view import FaceView, cut_face
-from facecrf_ocio.joint.statistics import face_statistics, photo_statistics
-from facecrf_ocio.photo.read import read_photo
-from facecrf_ocio.response.fixed import fixed_curve
-from facecrf_ocio.response.model import dorf_model
+from facecrf_ocio.face.geometry import face_geometry
+from facecrf_ocio.face.view import FaceView
+from facecrf_ocio.joint.noise_counts import NoiseCounts, count_noise
+from facecrf_ocio.joint.statistics import FACE_CUES, Statistics, face_statistics, resampled
+from facecrf_ocio.joint.windows import SIDE, Window, face_windows, photo_windows
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.training.curves import NO_ROW, CurveSource
-from facecrf_ocio.training.variation import process, vary
-from facecrf_ocio.values import Float, Photo
+from facecrf_ocio.training.before_camera import Head, stage
+from facecrf_ocio.training.curves import CurveSource, Draw
+from facecrf_ocio.training.draw_process import draw_process
+from facecrf_ocio.training.layout import Layout, draw_layout, some_windows
+from facecrf_ocio.training.process import Process, Response, photograph
+from facecrf_ocio.values import Float
 
-_LEVELS = 16384
-_SIZES = (0.6, 1.5)
-_SIZE_ODDS = (0.6, 0.25, 0.15)
-_MEASURED_SHARE = 3  # one photo in so many is encoded by a measured response, without variation
+Light = npt.NDArray[np.float32]
+_MEASURED = 0.3  # share of photos through a measured response as it is
+_FACE_SIDE = 300  # px: larger faces are made at this width, with less noise
+_LOOKS = 4  # photos that are tried before a head in one light is given up
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,135 +36,137 @@ class Example:
     ----------
     head
         Name of the image.
-    family
-        Index into `joint.prior.FAMILIES`.
-    row
-        Of the measured response it comes from.
-    measured
-        True if the response is a measured one and the photo was not varied.
-    inverse
-        (1024,) the truth.
-    by_cue
-        Statistics of each cue.
-    mixed_with
-        Row of a second measured response in it, else `NO_ROW`.
+    drawn
+        The truth.
+    photo, skin
+        What its windows hold.
+    of_face
+        Statistics of the face at working size, by cue.
+    sample
+        (N, 3) encoded values of the skin.
+    process, layout
+        What was done.
     """
 
     head: str
-    family: int
-    row: int
-    measured: bool
-    inverse: npt.NDArray[np.float32]
-    by_cue: dict[str, Float]
-    mixed_with: int = NO_ROW
+    drawn: Draw
+    photo: NoiseCounts
+    skin: NoiseCounts
+    of_face: dict[str, Float]
+    sample: Float
+    process: Process
+    layout: Layout
 
 
-def simulate(path: Path, source: CurveSource, count: int, seed: int) -> Iterator[Example]:
-    """Photograph one linear head with `count` cameras.
-
-    Parameters
-    ----------
-    path
-        Linear image with a face.
-    source
-        Responses to draw from.
-    count, seed
-        Number of photos; of the draws, so that each head has its own.
-
-    Raises
-    ------
-    PhotoError
-        If no face is found.
-    """
-    settings = Settings()
-    linear = np.clip(read_photo(path).encoded, 0.0, 1.0)
-    stands = _stands(path, linear, settings)
-    generator = np.random.default_rng([seed, *path.name.encode()])
+def simulate(
+    heads: Sequence[Head],
+    around: tuple[Light, ...],
+    source: CurveSource,
+    count: int,
+    seed: Sequence[int],
+) -> Iterator[Example]:
+    """Take `count` photos, one head after the other; some show too little skin and are left out."""
+    generator = np.random.default_rng(seed)
     for number in range(count):
-        measured = number % _MEASURED_SHARE == 0
-        drawn = source.draw(generator, measured=measured)
-        stand = stands[0]
-        if not measured:
-            size = int(generator.choice(len(_SIZE_ODDS), p=_SIZE_ODDS))
-            stand = stands[min(size, len(stands) - 1)]
-        light = stand.linear if measured else vary(stand.linear, generator)
-        encoded = _encode(light, drawn.inverse)
-        if not measured:
-            encoded = process(encoded, generator)
-        by_cue = dict(photo_statistics(encoded if measured else _frame(encoded, stand, generator)))
-        of_face = face_statistics(_look_again(stand, encoded), settings)
-        if of_face is not None:
-            by_cue.update(of_face.by_cue)
-        curve = drawn.inverse.astype(np.float32)
-        yield Example(path.name, drawn.family, drawn.row, measured, curve, by_cue, drawn.mixed_with)
+        head = heads[number % len(heads)]
+        drawn = source.draw(generator, measured=generator.random() < _MEASURED)
+        for _ in range(_LOOKS):
+            example = take(head, around, drawn, draw_process(generator), generator)
+            if example is not None:
+                yield example
+                break
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Stand:
-    """A head at one size, the face in it, and where the cut of the face begins."""
-
-    linear: npt.NDArray[np.float32]
-    view: FaceView
-    corner: tuple[int, int]
-
-
-def _stands(path: Path, linear: npt.NDArray[np.float32], settings: Settings) -> tuple[_Stand, ...]:
-    """The head as stored, and at the other sizes at which its face is still found."""
-    stands = [_Stand(linear, *_view(path, linear, settings))]
-    for size in _SIZES:
-        how = cv2.INTER_AREA if size < 1.0 else cv2.INTER_CUBIC
-        resized = cv2.resize(linear, None, fx=size, fy=size, interpolation=how)
-        scaled: npt.NDArray[np.float32] = np.clip(resized, 0.0, 1.0).astype(np.float32)
-        try:
-            stands.append(_Stand(scaled, *_view(path, scaled, settings)))
-        except PhotoError:
-            continue
-    return tuple(stands)
+def take(
+    head: Head,
+    around: tuple[Light, ...],
+    drawn: Draw,
+    process: Process,
+    generator: np.random.Generator,
+) -> Example | None:
+    """One photo; None where the face shows too little skin for an estimate."""
+    layout = draw_layout(head, around, generator)
+    picture = stage(head, generator)
+    response = Response.of(drawn.inverse)
+    view = _view(layout, picture, process, response, generator)
+    of_face = face_statistics(view, Settings())
+    if of_face is None:
+        return None
+    scaled = process.scale < 1.0
+    photo = _counted(
+        photo_windows(layout.height, layout.width),
+        (3, 128) if scaled else (4, SIDE),
+        (layout, picture, process, response),
+        generator,
+    )
+    skin = _counted(
+        face_windows(layout.face.landmarks_xyz, layout.height, layout.width),
+        (1, 144) if scaled else (2, 160),
+        (layout, picture, process, response),
+        generator,
+        (of_face, view),
+    )
+    sample = of_face.encoded
+    by_cue = {cue: of_face.by_cue[cue] for cue in FACE_CUES if cue in of_face.by_cue}
+    return Example(head.name, drawn, photo, skin, by_cue, sample, process, layout)
 
 
 def _view(
-    path: Path, linear: npt.NDArray[np.float32], settings: Settings
-) -> tuple[FaceView, tuple[int, int]]:
-    """The largest face, found in the picture as sRGB has it, and where its cut begins."""
-    seen = _encode(linear, fixed_curve("srgb", np.linspace(0.0, 1.0, 1024), dorf_model()))
-    found = find_faces(seen, settings)
-    if not found.faces:
-        raise PhotoError(path, "shows no face", "leave it out of the training")
-    face = max(found.faces, key=lambda candidate: float(candidate.box_xy[2]))
-    view = cut_face(Photo(seen, 8), face, settings)
-    start = np.floor(face.landmarks_xyz[:, :2].min(axis=0) - 0.05 * face.box_xy[2])
-    left, top = np.maximum(start, 0).astype(int)
-    return view, (int(left), int(top))
+    layout: Layout,
+    picture: Light,
+    process: Process,
+    response: Response,
+    generator: np.random.Generator,
+) -> FaceView:
+    """The face at working size, as `cut_face` has it."""
+    points = layout.face.landmarks_xyz[:, :2]
+    margin = 0.05 * layout.face.box_xy[2]
+    left, top = np.maximum(np.floor(points.min(axis=0) - margin), 0).astype(int).tolist()
+    low = (left + 1, top + 1)
+    right, bottom = (
+        np.clip(np.ceil(points.max(axis=0) + margin), low, [layout.width, layout.height])
+        .astype(int)
+        .tolist()
+    )
+    stored = (bottom - top, right - left)
+    face_width = float(np.ptp(points[:, 0]))
+    sensor = face_width / process.scale
+    coarse = min(1.0, _FACE_SIDE / sensor)
+    made = _times(stored, coarse / process.scale)
+    light = layout.light(picture, (slice(top, bottom), slice(left, right)), made, generator)
+    seen = _smaller(stored, made)
+    encoded = photograph(light, process, response, seen, generator, coarse)
+    working = min(1.0, Settings().face_width / face_width)
+    size = _times(stored, working)
+    if size != seen:
+        encoded = np.asarray(cv2.resize(encoded, size[::-1], interpolation=cv2.INTER_AREA))
+    geometry = face_geometry(layout.face, size, origin=(float(left), float(top)), scale=working)
+    frame = (float(left), float(top), float(stored[1]), float(stored[0]))
+    return FaceView(layout.face, encoded, geometry, frame)
 
 
-def _look_again(stand: _Stand, encoded: npt.NDArray[np.float32]) -> FaceView:
-    view, (left, top) = stand.view, stand.corner
-    height, width = view.native.shape[:2]
-    native = encoded[top : top + height, left : left + width]
-    scaled = native
-    if view.encoded.shape != native.shape:
-        size = view.encoded.shape[1::-1]
-        scaled = np.asarray(cv2.resize(native, size, interpolation=cv2.INTER_AREA), np.float32)
-    return replace(view, encoded=scaled, native=native)
+def _counted(
+    windows: list[Window],
+    most: tuple[int, int],
+    photo: tuple[Layout, Light, Process, Response],
+    generator: np.random.Generator,
+    face: tuple[Statistics, FaceView] | None = None,
+) -> NoiseCounts:
+    layout, picture, process, response = photo
+    parts, stands_for = some_windows(windows, *most, generator)
+    taken, masks = [], []
+    for part in parts:
+        size = (part[0].stop - part[0].start, part[1].stop - part[1].start)
+        light = layout.light(picture, part, _times(size, 1.0 / process.scale), generator)
+        taken.append(photograph(light, process, response, size, generator))
+        if face is not None:
+            masks.append(resampled(face[0].skin, face[1].frame, part))
+    return count_noise(taken, masks if face else None, [stands_for] * len(taken))
 
 
-def _encode(linear: npt.NDArray[np.float32], inverse: Float) -> npt.NDArray[np.float32]:
-    """To 8-bit codes, by a table over the root of light, which resolves the shadows."""
-    grid = np.linspace(0.0, 1.0, inverse.size)
-    nodes = np.linspace(0.0, 1.0, _LEVELS) ** 2
-    table = np.rint(np.interp(nodes, inverse + np.arange(inverse.size) * 1e-9, grid) * 255.0)
-    index = np.rint(np.sqrt(linear) * (_LEVELS - 1)).astype(np.intp)
-    return np.asarray(table[index] / 255.0, dtype=np.float32)
+def _times(size: tuple[int, int], factor: float) -> tuple[int, int]:
+    return max(1, round(size[0] * factor)), max(1, round(size[1] * factor))
 
 
-def _frame(
-    encoded: npt.NDArray[np.float32], stand: _Stand, generator: np.random.Generator
-) -> npt.NDArray[np.float32]:
-    """The photo framed more or less closely around its face: other surroundings, other levels."""
-    if generator.random() < 0.5:
-        return encoded
-    (left, top), (tall, wide) = stand.corner, stand.view.native.shape[:2]
-    height, width = encoded.shape[:2]
-    rows = slice(generator.integers(top + 1), generator.integers(top + tall, height + 1))
-    columns = slice(generator.integers(left + 1), generator.integers(left + wide, width + 1))
-    return encoded[rows, columns]
+def _smaller(one: tuple[int, int], other: tuple[int, int]) -> tuple[int, int]:
+    return one if one[0] < other[0] else other

@@ -1,0 +1,60 @@
+"""What differs between the photos of a day: camera, exposure, processing, file."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from facecrf_ocio.benchmark.virtual_camera import FULL_WELL_ISO_100
+from facecrf_ocio.training.denoise import Denoiser
+from facecrf_ocio.training.process import SAMPLING, Process
+
+EXPOSURE = 1.1
+"""[EV] Deviation of the exposure: cameras, scenes and skins differ by about one stop."""
+DARKEST, BRIGHTEST = -3.5, 2.0
+_RESAMPLING = {cv2.INTER_AREA: 0.6, cv2.INTER_LINEAR: 0.2, cv2.INTER_CUBIC: 0.2}
+
+
+def draw_process(generator: np.random.Generator) -> Process:
+    """One camera, its settings, and what became of the file."""
+    stops = float(np.clip(generator.normal(0.0, EXPOSURE), DARKEST, BRIGHTEST))
+    gains = np.exp(generator.normal(0.0, 0.08 if generator.random() < 0.7 else 0.2, 3))
+    iso = 2.0 ** generator.uniform(-1.0, 6.0)
+    small_sensor = 2.0 ** generator.uniform(-2.0, 0.0)
+    noisy = generator.random() < 0.93
+    full_well = FULL_WELL_ISO_100 * small_sensor / iso if noisy else np.inf
+    mosaic = str(generator.choice(["none", "edge-aware", "bilinear"], p=[0.2, 0.5, 0.3]))
+    scaled = generator.random()
+    scale = 0.5 if scaled < 0.2 else float(generator.uniform(0.35, 0.95)) if scaled < 0.4 else 1.0
+    jpeg = 0 if generator.random() < 0.12 else int(generator.integers(80, 99))
+    return Process(
+        stops=stops,
+        gains=gains,
+        blur=_some(generator, 0.35, 0.4, 1.6),
+        full_well=float(full_well),
+        read_noise=float(np.exp(generator.uniform(np.log(2.0), np.log(15.0)))) if noisy else 0.0,
+        raw_gains=np.array([generator.uniform(1.0, 2.6), 1.0, generator.uniform(1.0, 2.6)]),
+        matrix=float(generator.uniform(1.0, 1.8)) if generator.random() < 0.75 else 1.0,
+        mosaic=mosaic if noisy else "none",
+        denoise=Denoiser.draw(generator, 0.55),
+        smooth=Denoiser.draw(generator, 0.25),
+        sharpen=_some(generator, 0.5, 0.2, 1.5),
+        sharpen_radius=float(generator.uniform(0.5, 1.6)),
+        scale=scale,
+        resampling=int(generator.choice(list(_RESAMPLING), p=list(_RESAMPLING.values()))),
+        jpeg=jpeg,
+        sampling=str(generator.choice(list(SAMPLING), p=[0.5, 0.2, 0.3])),
+        first_jpeg=_first_jpeg(generator, scale),
+        sharpen_small=_some(generator, 0.3, 0.2, 0.8) if scale < 1.0 else 0.0,
+    )
+
+
+def _some(generator: np.random.Generator, share: float, low: float, high: float) -> float:
+    """Uniform in a share of all photos, 0 in the others."""
+    return float(generator.uniform(low, high)) if generator.random() < share else 0.0
+
+
+def _first_jpeg(generator: np.random.Generator, scale: float) -> int:
+    """Quality of a JPEG that was decoded, mostly to be scaled, before the one that is stored."""
+    again = generator.random() < (0.5 if scale < 1.0 else 0.1)
+    return int(generator.integers(88, 99)) if again else 0

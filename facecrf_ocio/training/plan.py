@@ -1,0 +1,98 @@
+"""Numbers and files that the shipped weights were made with, and what the bench holds out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from facecrf_ocio.benchmark.folds import assign_folds
+from facecrf_ocio.benchmark.responses import read_responses
+from facecrf_ocio.training.curves import FOLDS, CurveSource, read_curves, rows_outside
+from facecrf_ocio.training.parts import Examples
+
+PARTS = 258
+SEED = 1
+EPOCHS = 20
+MEMBERS = 3
+HELD_OUT_MEMBERS = 1
+STACKS = "stacks"
+_DORF_ROWS = 201
+_VALIDATION_SCENES = 3  # the first pictures of surroundings are kept for looking at the results
+
+
+@dataclass(frozen=True, slots=True)
+class Data:
+    """Where the data are.
+
+    Attributes
+    ----------
+    root
+        Folder with `crf`, `faces/rendered/img` and `scenes`.
+    """
+
+    root: Path
+
+    @property
+    def dorf(self) -> Path:
+        """Columbia's responses."""
+        return self.root / "crf" / "dorf_201_curves.mat"
+
+    @property
+    def modern(self) -> Path:
+        """Published responses of digital cameras."""
+        return self.root / "crf" / "modern_dev.npz"
+
+    @property
+    def stacks(self) -> Path:
+        """Responses solved from exposure stacks."""
+        return self.root / "crf" / "modern_stacks.npz"
+
+    def heads(self) -> list[Path]:
+        """Rendered heads to train with; those named `dev_*` are for validation."""
+        return sorted((self.root / "faces" / "rendered" / "img").glob("train_*_noisy.exr"))
+
+    def scenes(self) -> list[Path]:
+        """Real linear pictures around them."""
+        return sorted((self.root / "scenes").glob("*.png"))[_VALIDATION_SCENES:]
+
+    def curves(self) -> CurveSource:
+        """All responses; those of the stacks come last."""
+        return read_curves(self.dorf, self.modern, self.stacks)
+
+
+def held_out_names() -> tuple[str, ...]:
+    """Of the weights that the bench needs."""
+    return (
+        *(f"dorf{fold}" for fold in range(FOLDS)),
+        *(f"modern{fold}" for fold in range(FOLDS)),
+        STACKS,
+    )
+
+
+def left_out(name: str, examples: Examples, data: Data) -> npt.NDArray[np.bool_]:
+    """Which examples hold a response, alone or mixed, that weights of this name must not see.
+
+    A maker is held out of both files of digital cameras.
+    """
+    if name.startswith("dorf"):
+        rows = np.flatnonzero(~rows_outside(int(name[4:]), _DORF_ROWS))
+        family = 0
+    else:
+        rows, family = _modern_rows(name, data), 1
+    touched = np.isin(examples.row, rows) | np.isin(examples.mixed_with, rows)
+    return np.asarray((examples.family == family) & touched)
+
+
+@cache
+def _modern_rows(name: str, data: Data) -> npt.NDArray[np.intp]:
+    published = read_responses(data.modern)
+    maker = np.array(data.curves().maker)
+    if name == STACKS:
+        return np.arange(len(published.inverse), len(maker))
+    fold_of = assign_folds(published, FOLDS)
+    makers = set(np.array(published.families)[fold_of == int(name[6:])])
+    return np.flatnonzero(np.isin(maker, list(makers)))

@@ -1,0 +1,96 @@
+"""The files of weights: what is in them, and what they say of how they were made."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from facecrf_ocio.joint.familiarity import Familiarity
+from facecrf_ocio.joint.prior import FamilyPrior
+from facecrf_ocio.values import Float
+
+_PACKAGES = ("facecrf_ocio.joint", "facecrf_ocio.training", "facecrf_ocio.face")
+
+
+def save_joint(
+    path: Path,
+    prior: FamilyPrior,
+    members: Sequence[Mapping[str, Float]],
+    familiarity: Familiarity,
+    made_by: str,
+    band_scale: float = 1.0,
+) -> None:
+    """Write prior and networks as one .npz, the networks in half precision.
+
+    Parameters
+    ----------
+    path
+        To write.
+    prior, members
+        As `training.fit` makes them.
+    familiarity
+        Of the statistics in training.
+    made_by
+        What `describe` tells.
+    band_scale
+        As `JointModel` explains.
+    """
+    arrays: dict[str, Any] = {
+        f"prior_{name}": np.asarray(getattr(prior, name), dtype=np.float32)
+        for name in ("mean", "basis", "weights", "means", "covariances", "family")
+    }
+    for number, member in enumerate(members):
+        for name, value in member.items():
+            cue, part = name.split("/")
+            exact = part in ("center", "scale")
+            arrays[f"{cue}_{number}_{part}"] = value.astype(np.float32 if exact else np.float16)
+    np.savez_compressed(
+        path,
+        ensemble=np.array(len(members)),
+        band_scale=np.array(band_scale),
+        made_by=np.array(made_by),
+        familiarity_axes=familiarity.axes.astype(np.float16),
+        familiarity_spread=familiarity.spread.astype(np.float32),
+        familiarity_beside=np.array(familiarity.beside),
+        familiarity_usual=np.array(familiarity.usual),
+        **arrays,
+    )
+
+
+def pack(path: Path, made: Mapping[str, Path]) -> None:
+    """Several files of weights as one, each array under `NAME/array`."""
+    arrays: dict[str, Any] = {}
+    for name, part in made.items():
+        with np.load(part, allow_pickle=False) as stored:
+            arrays |= {f"{name}/{key}": stored[key] for key in stored.files}
+    np.savez_compressed(path, **arrays)
+
+
+def with_band(path: Path, band_scale: float, measured: str) -> None:
+    """Set the band's scale in a file of weights, and which command it was measured with."""
+    with np.load(path, allow_pickle=False) as stored:
+        arrays: dict[str, Any] = {name: stored[name] for name in stored.files}
+    made_by = json.loads(str(arrays["made_by"]) or "{}") | {"band_measured": measured}
+    arrays["band_scale"] = np.array(band_scale)
+    arrays["made_by"] = np.array(json.dumps(made_by, sort_keys=True))
+    np.savez_compressed(path, **arrays)
+
+
+def describe(made: Mapping[str, Any]) -> str:
+    """JSON of what weights were made with, and the digest of the code that made them."""
+    return json.dumps({**made, "code_sha256": _code_digest()}, sort_keys=True)
+
+
+def _code_digest() -> str:
+    """Of everything between a linear picture and the weights, by the names of its modules."""
+    digest = hashlib.sha256()
+    for package in _PACKAGES:
+        for module in sorted(Path(str(files(package))).glob("*.py")):
+            digest.update(module.name.encode() + module.read_bytes())
+    return digest.hexdigest()
