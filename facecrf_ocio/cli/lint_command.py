@@ -12,7 +12,7 @@ from facecrf_ocio.cli.options import PHOTO_PATH
 from facecrf_ocio.cli.terminal import DONE, complain, ending_well, exit_code_of, one_line
 from facecrf_ocio.errors import LutError
 
-WARNED, WRONG, UNUSABLE = 5, 6, 7
+WARNED, WRONG, UNUSABLE = 5, 6, 7  # exit codes, beyond those that all commands share
 
 
 @click.command(

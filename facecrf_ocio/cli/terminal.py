@@ -20,6 +20,7 @@ from facecrf_ocio.errors import FaceCRFError, LutError, OutputError, PhotoError,
 if TYPE_CHECKING:
     from facecrf_ocio.values import Estimate
 
+# Exit codes, which EXIT_CODES explains to users.
 DONE, FAILED, USAGE, UNREADABLE, NOTHING = 0, 1, 2, 3, 4
 EXIT_CODES = """
 Exit codes: 0 done; 1 an output cannot be written; 2 wrong usage; 3 a file cannot be read;

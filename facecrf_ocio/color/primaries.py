@@ -8,8 +8,8 @@ import numpy.typing as npt
 from facecrf_ocio.checks import span_colors
 from facecrf_ocio.values import Primaries
 
-D65 = (0.3127, 0.3290)
-D50 = (0.3457, 0.3585)
+D65 = (0.3127, 0.3290)  # [CIE xy] as ITU-R BT.709 rounds it
+D50 = (0.3457, 0.3585)  # [CIE xy] as ISO 22028-2 rounds it
 
 # Red, green, blue, white as published: ITU-R BT.709, SMPTE EG 432-1, Adobe RGB (1998),
 # ITU-R BT.2020, ISO 22028-2 (ROMM).

@@ -9,7 +9,7 @@ from facecrf_ocio.values import Float
 
 # Code value and light at which the straight part, of this slope, gives way to the power.
 _CODE, _LIGHT, _SLOPE = 0.04045, 0.0031308, 12.92
-_OFFSET, _POWER = 0.055, 2.4
+_OFFSET, _POWER = 0.055, 2.4  # of the power, by IEC 61966-2-1
 
 
 def decode_srgb(encoded: npt.ArrayLike) -> Float:

@@ -10,7 +10,7 @@ from facecrf_ocio.color.primaries import CIE_XYZ, D65, KNOWN_PRIMARIES
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.values import Primaries
 
-ACES_WHITE = (0.32168, 0.33767)
+ACES_WHITE = (0.32168, 0.33767)  # [CIE xy] SMPTE ST 2065-1
 _NAMES = {
     "acescg": "AP1",
     "lin_rec709": "Rec.709",

@@ -29,6 +29,7 @@ _FEATURE_MARGINS = (
     (regions.LEFT_NOSTRIL, 0.01),
 )
 _OUTLINE_MARGIN = 0.03  # hair falls over the forehead, and the jaw's edge is uncertain
+# Cosine of the steepest normal that counts as skin in view.
 _STEEPEST = float(np.cos(np.radians(75.0)))
 
 

@@ -11,10 +11,10 @@ import numpy.typing as npt
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Bool
 
-HUE_BIN = 2.0
-CLIPPED = 0.98
-BLACK = 0.02
-MIN_SATURATION = 0.02
+HUE_BIN = 2.0  # [degree] of the histogram
+CLIPPED = 0.98  # [encoded] brightest channel from which a pixel may have lost light
+BLACK = 0.02  # [encoded] darkest channel: below, rounding decides the hue
+MIN_SATURATION = 0.02  # of HSV: below, noise decides the hue
 
 
 @dataclass(frozen=True, slots=True, eq=False)

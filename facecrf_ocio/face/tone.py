@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-_WHITE_QUANTILE = 0.99
+_WHITE_QUANTILE = 0.99  # of the pixels, taken for white
 _MIDDLE = 0.4  # code value that the median is brought to
 _STRONGEST = 0.25  # least exponent
 

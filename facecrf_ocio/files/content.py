@@ -8,8 +8,8 @@ from pathlib import Path
 
 from facecrf_ocio.errors import OutputError
 
-_BLOCK = 1 << 20
-_ENDS = 1 << 12
+_BLOCK = 1 << 20  # [byte] read at once
+_ENDS = 1 << 12  # [byte] of a file's beginning and end: one page of a disk each
 
 
 def sha256_of(path: Path) -> str:

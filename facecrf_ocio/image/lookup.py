@@ -31,10 +31,10 @@ Float32 = npt.NDArray[np.float32]
 Transform = Callable[[Float32, Pixels], None]
 """Maps (H, W, 3) C-contiguous float32 to the like-shaped second argument, float32 or float16."""
 
-HALF_MAX = 65504.0
-_RGB = (0, 1, 2)
+HALF_MAX = 65504.0  # largest finite half float
+_RGB = (0, 1, 2)  # channels
 _BAND = 1 << 17  # [pixel] a band's float32 colors, 1.5 MB, stay in a core's cache
-_MAXIMA = {np.dtype(np.uint8): 255, np.dtype(np.uint16): 65535}
+_MAXIMA = {np.dtype(np.uint8): 255, np.dtype(np.uint16): 65535}  # codes of white
 _INFINITE_HALF = 0x7C00  # bits of infinity; NaN are above it
 
 

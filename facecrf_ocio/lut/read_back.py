@@ -14,7 +14,7 @@ from facecrf_ocio.lut.table import LUT_LENGTH
 from facecrf_ocio.lut.transform import Recipe, expected
 from facecrf_ocio.values import Float, InverseCRF
 
-TOLERANCE = 1e-6
+TOLERANCE = 1e-6  # [linear] a few steps of single precision at white
 # OCIO finds the place between two entries in float32: near white, to half a unit of 2**-23.
 _CODE_RESOLUTION = 2.0**-24
 

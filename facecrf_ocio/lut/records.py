@@ -40,7 +40,7 @@ _SPACES = (
 _SAME_MATRIX = 5e-4
 # A power of 1/1.6 lies 0.18 above the diagonal, sRGB's curve 0.29; a look that brightens, 0.1.
 _BULGE, _DIP = 0.17, 0.01
-_SHADES = 257
+_SHADES = 257  # grays from black to white
 
 
 @dataclass(frozen=True, slots=True)

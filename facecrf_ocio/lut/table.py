@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from facecrf_ocio.values import Float, InverseCRF
 
-LUT_LENGTH = 4096
+LUT_LENGTH = 4096  # entries: as many as a curve has samples, so that none is lost
 # OpenColorIO 2.6 refuses files with numbers that are subnormal in float32.
 _SMALLEST = np.finfo(np.float32).tiny
 

@@ -14,7 +14,7 @@ from facecrf_ocio.lut.table import LUT_LENGTH, lut_table, resample, rows_of
 from facecrf_ocio.values import Float, InverseCRF, Primaries
 
 DIRECTIONS = ("linearize", "encode")
-ENCODE_LENGTH = 65536
+ENCODE_LENGTH = 65536  # entries: one for each code of 16 bits
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,11 +13,11 @@ from facecrf_ocio.values import Bool, Float, Photo
 
 WORKING_SIDE = 1400
 """[px] Longest side of the encoded picture while pictures are compared."""
-MIN_CORRELATION = 0.75
-_MATCHES = 12
-_ECC_STEPS, _ECC_PRECISION = 100, 1e-6
-_LENS_STEPS, _LENS_PIXELS = 6, 40_000
-_MIN_GRADIENT = 0.002
+MIN_CORRELATION = 0.75  # of ranks, below which the pictures are taken for two scenes
+_MATCHES = 12  # of features; a homography needs four, and most of the others must agree
+_ECC_STEPS, _ECC_PRECISION = 100, 1e-6  # at most, and the gain in correlation that ends them
+_LENS_STEPS, _LENS_PIXELS = 6, 40_000  # of Gauss-Newton, and pixels that each looks at
+_MIN_GRADIENT = 0.002  # [rank per px] below which a pixel cannot tell a shift
 
 Image = npt.NDArray[np.float32]
 

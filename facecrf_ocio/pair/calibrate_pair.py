@@ -25,14 +25,14 @@ from facecrf_ocio.values import (
     Verdict,
 )
 
-MIN_SAMPLES = 300
+MIN_SAMPLES = 300  # [px] eight for each unknown of a channel's fit
 MIN_SPAN = 0.25
 """Codes that the samples must span to tell of a curve."""
-MAX_RESIDUAL_CODES = 12.0
-RELIABLE_RESIDUAL_CODES = 3.0
-RELIABLE_SPAN = 0.75
-_BINS = 64
-_MIN_PER_BIN = 10
+MAX_RESIDUAL_CODES = 12.0  # [8-bit code] beyond which one curve does not explain the pair
+RELIABLE_RESIDUAL_CODES = 3.0  # [8-bit code] up to which it does so within noise and compression
+RELIABLE_SPAN = 0.75  # [encoded] that samples must cover, or much of the curve is continued
+_BINS = 64  # of code values, in which the residual's spread is measured
+_MIN_PER_BIN = 10  # samples that make a bin one that is seen
 _ANOTHER = "give the two pictures of one exposure, neither of them retouched"
 
 

@@ -8,8 +8,8 @@ from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.values import Bool, Float
 
-_TOLERANCE = 0.002
-_MIN_SLOPE = 1e-4
+_TOLERANCE = 0.002  # [linear] by which the seen part may miss its candidate
+_MIN_SLOPE = 1e-4  # [linear per encoded] so that the curve increases
 
 
 def continued(curve: Float, seen: Bool, model: ResponseModel) -> Float:

@@ -11,14 +11,14 @@ from scipy.optimize import lsq_linear
 from facecrf_ocio.pair.flat_pixels import Samples
 from facecrf_ocio.values import Float
 
-SEGMENTS = 32
-_DEGREE = 3
-_ROUNDS = 12
+SEGMENTS = 32  # of the spline: one is eight 8-bit codes
+_DEGREE = 3  # cubic: its slope has no kinks
+_ROUNDS = 12  # of reweighting by residuals
 _TUKEY = 4.685  # 95 % efficient for Gaussian residuals
-_CODE = 1.0 / 255.0
-_STIFFNESS = 3.0
-_NORMALIZATION = 1e4
-_SMALLEST_STEP = 1e-7
+_CODE = 1.0 / 255.0  # [encoded] one 8-bit code
+_STIFFNESS = 3.0  # weight of a change of the slopes' ratio to the typical curve, beside one sample
+_NORMALIZATION = 1e4  # weight of the row that says g(1) = 1, so that it holds as an equation
+_SMALLEST_STEP = 1e-7  # [linear] from knot to knot, so that the curve increases
 
 
 @dataclass(frozen=True, slots=True, eq=False)

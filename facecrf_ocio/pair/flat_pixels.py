@@ -10,9 +10,10 @@ import numpy as np
 from facecrf_ocio.pair.align import Aligned
 from facecrf_ocio.values import Bool, Float
 
-CLIPPED, BLACK = 0.985, 0.012
-_BLUR = 3
-_SHARE_KEPT = 0.5
+CLIPPED, BLACK = 0.985, 0.012  # [encoded] beyond which a channel may have lost light
+_BLUR = 3  # [px] side of the square over which both pictures are averaged
+_SHARE_KEPT = 0.5  # of each bin's pixels, the flattest
+# Of code values, and samples from each: as many from dark as from bright ones.
 _BINS, _PER_BIN = 128, 100
 
 

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-_START, _END, _SCAN = 0xD8, 0xD9, 0xDA
+_START, _END, _SCAN = 0xD8, 0xD9, 0xDA  # markers (T.81, table B.1)
 _ALONE = frozenset((0x01, *range(0xD0, 0xD8)))  # markers without a length (T.81, table B.1)
-_APP = range(0xE0, 0xF0)
+_APP = range(0xE0, 0xF0)  # APP0 to APP15
+# SOF0 to SOF15, without DHT, JPG and DAC.
 _FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
 _LEAD = 1 << 10  # [byte] looked through for the start of a picture
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 # TIFF 6.0, TIFF/EP and DNG 1.7: tags of a directory.
 _SUBFILE, _PHOTOMETRIC, _SUB_DIRECTORIES, _DNG_VERSION = 254, 262, 330, 50706
+# PhotometricInterpretation of mosaics and of demosaiced raw (DNG 1.4).
 _FILTER_ARRAY, _LINEAR_RAW = 32803, 34892
 _REDUCED, _MASK = 1, 4  # bits of NewSubfileType
 _MOST = 64  # directories looked at: a file may lead in circles

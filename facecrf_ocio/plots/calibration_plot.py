@@ -37,8 +37,8 @@ INK = {"R": "#c8322b", "G": "#2f8f46", "B": "#2b5fc8"}
 BLACK = "#202020"
 MELANIN_COLOR = "#ffd800"
 HEMOGLOBIN_COLOR = "#e4002b"
-DIMMED = 0.35
-DOTS_PER_INCH = 150
+DIMMED = 0.35  # share of its light that what is no skin keeps
+DOTS_PER_INCH = 150  # 2100 px for the widest picture, 14 inches
 STOPS_SHOWN = 2.0
 """[stop] Most curves lie within this of sRGB from code 16 on."""
 HUE_RANGE = 60.0

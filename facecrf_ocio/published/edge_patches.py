@@ -17,23 +17,29 @@ from facecrf_ocio.values import Bool, Float, Index, Lacking, Photo
 
 # The paper gives the size of the window and names the tests; their thresholds are ours.
 WINDOW = 15
-CANNY_THRESHOLDS = (50.0, 100.0)
-SPACING = 7
-BAND_ROWS = 64 * SPACING
-MAX_WINDOWS = 12_000
-CHUNK = 2048
-EDGE_BANDS = (5, 9)
-MIN_REGION_SHARE = 0.15
-MAX_DEVIATION = 10.0 / 255.0
-MIN_CONTRAST = 25.0 / 255.0
-MIN_CONTRAST_TO_DEVIATION = 8.0
+CANNY_THRESHOLDS = (
+    50.0,
+    100.0,
+)  # [8-bit code] of gradients: that continues an edge, that begins one
+SPACING = 7  # [px] cell of which one window is tried: half a window, so that few overlap
+BAND_ROWS = 64 * SPACING  # [px] whole cells
+MAX_WINDOWS = 12_000  # bounds the time that a photo full of edges takes
+CHUNK = 2048  # windows held in memory at once, 11 MB of them
+EDGE_BANDS = (5, 9)  # [px] width left out about the edge: that of a sharp photo, then of a soft one
+MIN_REGION_SHARE = 0.15  # of the window, for either region
+MAX_DEVIATION = 10.0 / 255.0  # [encoded] within a region that counts as uniform
+MIN_CONTRAST = 25.0 / 255.0  # [encoded] distance of the regions' colors
+MIN_CONTRAST_TO_DEVIATION = 8.0  # or the blends would drown in noise
+# [encoded] largest less smallest channel: gray blends lie on a line anyhow.
 MIN_HUE_CONTRAST = 10.0 / 255.0
-CLIPPED_MARGIN = 0.5 / 255.0
+CLIPPED_MARGIN = 0.5 / 255.0  # [encoded] half an 8-bit code below white
+# Of the way from color to color: nearer to either, a pixel is the region itself.
 BLEND_MARGIN = 0.06
+# [encoded] by which a blend may leave the range of both colors: 1.5 8-bit codes.
 TOLERANCE = 1.5 / 255.0
-MIN_BLENDS = 3
-MAX_BLENDS = 12
-MIN_PATCHES = 10
+MIN_BLENDS = 3  # pixels of a patch, or it tells next to nothing of the way between
+MAX_BLENDS = 12  # pixels of a patch, or long edges would outweigh many short ones
+MIN_PATCHES = 10  # of a photo, or it is refused
 
 # Edge pixels at the border may hold light of a third color that lies just outside of the window.
 INNER = np.s_[2:-2, 2:-2]

@@ -12,9 +12,9 @@ import numpy as np
 from facecrf_ocio.published.edge_patches import EdgePatch
 from facecrf_ocio.values import Float
 
-MAX_PATCHES = 120
-CODE_BINS = 20
-DEVIATION_COST = 10.0
+MAX_PATCHES = 120  # that are kept; the energy takes time in proportion
+CODE_BINS = 20  # ranges of code values that the set should cover
+DEVIATION_COST = 10.0  # contrast that one unit of noise within the regions takes away
 
 
 def select_patches(patches: list[EdgePatch], count: int = MAX_PATCHES) -> list[EdgePatch]:

@@ -24,7 +24,7 @@ from facecrf_ocio.values import (
     Photo,
 )
 
-NODE_SPACING = 1.0 / 255.0
+NODE_SPACING = 1.0 / 255.0  # [encoded] of the nodes of `log g`: one 8-bit code
 
 
 @dataclass(frozen=True, slots=True, eq=False)

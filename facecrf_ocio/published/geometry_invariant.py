@@ -48,16 +48,16 @@ from facecrf_ocio.values import CHANNELS, Float, Lacking, Photo
 
 # Points that a level needs, and the independent windows they must amount to.
 MIN_POINTS = 20
-MIN_WINDOWS = 0.1
-MIN_LEVELS = INTERVALS // 4
+MIN_WINDOWS = 0.1  # a tenth of one, because windows that overlap share their pixels
+MIN_LEVELS = INTERVALS // 4  # a quarter of the code range, or the prior would draw the curve
 # Error of the invariant beyond that of noise: curves bend within a window and within a level.
 MODEL_DEVIATION = 0.05
 # Where irradiance bends too, the mode lies anywhere within about half the spread.
 MODE_TO_SPREAD = 0.5
 # A level that rests on fewer independent windows must not contradict the others by more than this.
 FEW_WINDOWS = 5.0
-MAX_SURPRISE = 4.0
-SUMMARY_SIZE = 256
+MAX_SURPRISE = 4.0  # [standard deviations]
+SUMMARY_SIZE = 256  # quantiles by which an answer tells where its evidence lies
 
 
 @dataclass(frozen=True, slots=True, eq=False)

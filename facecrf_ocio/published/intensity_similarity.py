@@ -35,8 +35,8 @@ from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import CHANNELS, Float, Lacking, Photo
 
-BLOCK = 8
-MAX_BLOCKS = 65_536
+BLOCK = 8  # [px] side of a block: 64 pixels measure a variance within 18 %
+MAX_BLOCKS = 65_536  # of a photo; more cost memory in proportion
 # Variance of the four quadrant means over that of white noise: F(3, 60) exceeds it in 0.4 %.
 MAX_STRUCTURE = 5.0
 # Variance from differences of neighbors over that of the block (von Neumann's ratio): 1 for white
@@ -45,17 +45,17 @@ MIN_WHITENESS = 0.45
 # Largest variance of a block over the median of its level.
 MAX_VARIANCE = 1.75
 
-LEVELS = 128
-MIN_BLOCKS = 4
+LEVELS = 128  # of brightness: one is two 8-bit codes
+MIN_BLOCKS = 4  # of a level, for a median and a variance
 # Blocks whose mean lies within so many standard deviations of black or white are cut off there.
 CLIPPING_MARGIN = 3.5
 # Share of blocks with clipped pixels beyond which a level is cut off nonetheless.
 MAX_CLIPPED = 0.01
 # [codes] Below this standard deviation, rounding hides the noise.
 MIN_NOISE = 0.3
-MIN_LEVELS = 32
-MIN_RANGE = 0.3
-SUMMARY_SIZE = 256
+MIN_LEVELS = 32  # a quarter of `LEVELS`, or the prior would draw the curve
+MIN_RANGE = 0.3  # [encoded] from the darkest to the brightest level
+SUMMARY_SIZE = 256  # quantiles by which an answer tells where its evidence lies
 
 
 def intensity_similarity_answer(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:

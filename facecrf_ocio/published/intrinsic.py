@@ -11,7 +11,7 @@ import scipy
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Bool, Float, Index
 
-GAUGE = 1e-7
+GAUGE = 1e-7  # weight that pins the constant which eq. 27 leaves open; too small to move the rest
 COLUMNS_AT_ONCE = 16  # three times as fast per column as one, or as a hundred, at a time
 
 

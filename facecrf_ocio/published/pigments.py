@@ -8,8 +8,8 @@ import numpy as np
 
 from facecrf_ocio.values import Bool, Float, Index, frozen
 
-ANGLES = 36
-FINER = 5
+ANGLES = 36  # of 2.5 degrees, then
+FINER = 5  # steps of half a degree to either side of the best
 GAUSSIAN_LOG_COSH = 0.3745672  # mean of log cosh of a standard normal variable
 # Both pigments raise log R/G and lower log B/G, melanin by the ratio 0.6, hemoglobin by 3 or more;
 # this direction lies between them.

@@ -13,13 +13,15 @@ import numpy as np
 
 from facecrf_ocio.values import Float
 
+# [px] small for steep ramps, large for slow ones, which drown in 8-bit steps.
 HALF_WIDTHS = (2, 3, 5, 10, 15)
 # Windows of one size in one channel, and rows of them held in memory at once.
 MAX_WINDOWS = 60_000
-BAND = 64
-DEGREE = 4
+BAND = 64  # rows of windows
+DEGREE = 4  # of the polynomial in x and in y; less in the smallest window
 
-CODE = 1.0 / 255.0
+CODE = 1.0 / 255.0  # [encoded] one 8-bit code
+# [encoded] nearer to black or white, pixels are clipped.
 MIN_CODE, MAX_CODE = 2.0 * CODE, 1.0 - 2.0 * CODE
 # Below, a window sees the steps of the curve's table; above, no polynomial follows the curve.
 MIN_SPAN, MAX_SPAN = 4.0 * CODE, 0.25
@@ -27,7 +29,7 @@ MIN_SPAN, MAX_SPAN = 4.0 * CODE, 0.25
 SPAN_TO_NOISE = 30.0
 # Largest standard deviation of the invariant, and its largest part along the isophote.
 MAX_DEVIATION = 1.0
-PLANAR_ERROR = 0.05
+PLANAR_ERROR = 0.05  # of the invariant
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -25,9 +25,9 @@ from facecrf_ocio.values import CHANNELS, Float, Photo
 
 # Polynomials of degree 7 come within 0.001 of half of the DoRF curves and 0.014 of 95 % of them.
 DEGREE = 7
-RISING_INTERVALS = 64
-MAX_ITERATIONS = 100
-TOLERANCE = 1e-7
+RISING_INTERVALS = 64  # in each of which the polynomial must rise; it has at most six turns
+MAX_ITERATIONS = 100  # of SLSQP, at most
+TOLERANCE = 1e-7  # [energy] of SLSQP's end
 
 
 def rank_answer(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:

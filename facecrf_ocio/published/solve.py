@@ -12,7 +12,7 @@ from facecrf_ocio.published.energy.term import Term
 from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.values import CHANNELS, Float
 
-MAX_ITERATIONS = 100
+MAX_ITERATIONS = 100  # of L-BFGS-B, at most
 
 
 @dataclass(frozen=True, slots=True)

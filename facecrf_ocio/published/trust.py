@@ -10,7 +10,7 @@ from facecrf_ocio.response.fixed import curve_deviation
 from facecrf_ocio.response.model import CURVE_SIZE, ResponseModel
 from facecrf_ocio.values import CHANNELS, Confidence, Float, Verdict
 
-COVERAGE_BINS = 64
+COVERAGE_BINS = 64  # of code values: one is four 8-bit codes
 
 
 def fitted_confidence(estimator: Estimator, encoded: Float, model: ResponseModel) -> Confidence:

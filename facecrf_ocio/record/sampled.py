@@ -17,7 +17,7 @@ TOLERANCE = 1e-5
 """By how much numbers read back may differ from a smooth row that was thinned."""
 
 _MOST = 1 << 20  # numbers of a curve: sixteen for each code value of 16 bits
-_DECIMALS = 7
+_DECIMALS = 7  # of a stored value; half of the last is far below what `TOLERANCE` allows
 _STRAIGHT = 1e-13  # what float64 makes of a line's second differences is less, what bends is more
 
 

@@ -11,7 +11,7 @@ from scipy.io.matlab import MatReadError
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.values import Float
 
-GRID_SIZE = 1024
+GRID_SIZE = 1024  # samples of a DoRF curve, as the database has them
 
 
 def read_dorf_inverse(path: str | Path) -> Float:

@@ -25,7 +25,7 @@ _DRAWS = 100  # of each component of a prior
 _CHECKED_EVERY = 16  # samples of 1,024: a dent narrower than 4 codes counts as none
 # Of a Gaussian: share within one deviation, and mean distance over deviation.
 _WITHIN_ONE = 0.6827
-_MEAN_OF_DEVIATION = float(np.sqrt(2.0 / np.pi))
+_MEAN_OF_DEVIATION = float(np.sqrt(2.0 / np.pi))  # mean of |x| of a standard normal variable
 
 
 def rising(draws: Float) -> Float:

@@ -12,8 +12,8 @@ from facecrf_ocio.response.mixture import fit_mixture
 from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.values import Float
 
-BASIS_SIZE = 5
-MIXTURE_SIZE = 5
+BASIS_SIZE = 5  # eigenvectors, N of eq. 9
+MIXTURE_SIZE = 5  # Gaussians of eq. 20
 
 
 def fit_model(

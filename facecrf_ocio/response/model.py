@@ -12,8 +12,9 @@ import numpy as np
 from facecrf_ocio.response.mixture import Mixture
 from facecrf_ocio.values import Float, InverseCRF, frozen
 
+# Samples of a curve: linear between them, it follows gamma 2.2 within 2e-8 of white.
 CURVE_SIZE = 4096
-MIN_INCREMENT = 1e-7
+MIN_INCREMENT = 1e-7  # [linear] from sample to sample, or a LUT could not be inverted
 
 
 @dataclass(frozen=True, slots=True, eq=False)

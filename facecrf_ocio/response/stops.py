@@ -15,8 +15,8 @@ import numpy.typing as npt
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.values import Float, InverseCRF
 
-CODES = np.arange(256)
-MID_GRAY = 128
+CODES = np.arange(256)  # [8-bit code]
+MID_GRAY = 128  # [8-bit code] where the one free factor is taken out
 # From the upper shadows to where a shoulder begins: what a compositor grades by. Video's legal
 # white, 235, is the end, because most photos show too little above it to tell, or to care.
 MID_CODES = (64, 235)

@@ -13,10 +13,10 @@ import numpy.typing as npt
 
 from facecrf_ocio.values import Float, Index, frozen
 
-CENTER = np.array([0.0, 0.5, -2.5])
-SUBDIVISIONS = 2
-RINGS = 6
-HAIR_FRINGE = 0.08
+CENTER = np.array([0.0, 0.5, -2.5])  # [cm] of the head, which turns about it
+SUBDIVISIONS = 2  # of each triangle of the face, into four
+RINGS = 6  # of vertices from the face's outline to the back of the skull
+HAIR_FRINGE = 0.08  # of the face's height, that hair hangs below its line
 
 
 class Material(IntEnum):

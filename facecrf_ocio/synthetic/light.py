@@ -11,11 +11,11 @@ from facecrf_ocio.face.rasterize import interpolate, rasterize
 from facecrf_ocio.synthetic.spec import Color, Image, Light, rgb
 from facecrf_ocio.values import Float, Index
 
-TO_CAMERA = np.array([0.0, 0.0, 1.0])
-SHININESS = 18.0
-SHADOW_PIXELS_PER_CM = 8.0
-SHADOW_BIAS_CM = 0.3
-SHADOW_SOFTNESS_CM = (-0.5, -0.17, 0.17, 0.5)
+TO_CAMERA = np.array([0.0, 0.0, 1.0])  # unit vector
+SHININESS = 18.0  # exponent of the Blinn-Phong lobe: a soft sheen
+SHADOW_PIXELS_PER_CM = 8.0  # of the map that sees the head from the light
+SHADOW_BIAS_CM = 0.3  # that a surface may lie behind what shades it, or it would shade itself
+SHADOW_SOFTNESS_CM = (-0.5, -0.17, 0.17, 0.5)  # offsets of the samples that blur a shadow's edge
 
 
 def shade(

@@ -17,10 +17,12 @@ EYES = (
     (33, 7, 163, 144, 145, 153, 154, 155, 133, 173, 157, 158, 159, 160, 161, 246),
     (263, 249, 390, 373, 374, 380, 381, 382, 362, 398, 384, 385, 386, 387, 388, 466),
 )
+# Vertices of the face mesh.
 UPPER_LIDS = (
     (33, 246, 161, 160, 159, 158, 157, 173, 133),
     (263, 466, 388, 387, 386, 385, 384, 398, 362),
 )
+# Vertices of the face mesh.
 BROWS = (
     (70, 63, 105, 66, 107, 55, 65, 52, 53, 46),
     (300, 293, 334, 296, 336, 285, 295, 282, 283, 276),
@@ -30,18 +32,20 @@ LIPS_OUTER = (
     *(61, 185, 40, 39, 37, 0, 267, 269, 270, 409, 291),
     *(375, 321, 405, 314, 17, 84, 181, 91, 146),
 )
-LIPS_INNER = (78, 191, 80, 81, 82, 13, 312, 311, 310, 415, 308)
-NOSTRILS = ((60, 20, 242, 99), (290, 250, 462, 328))
+LIPS_INNER = (78, 191, 80, 81, 82, 13, 312, 311, 310, 415, 308)  # vertices of the face mesh
+NOSTRILS = ((60, 20, 242, 99), (290, 250, 462, 328))  # vertices of the face mesh
 
-EYE_WHITE: Color = (0.50, 0.44, 0.41)
-DARK: Color = (0.01, 0.008, 0.007)
+EYE_WHITE: Color = (0.50, 0.44, 0.41)  # albedo
+DARK: Color = (0.01, 0.008, 0.007)  # albedo of pupils, nostrils and lashes
+# Albedos: brown, blue, green.
 IRIS_COLORS: tuple[Color, ...] = ((0.09, 0.04, 0.02), (0.05, 0.09, 0.13), (0.08, 0.09, 0.04))
+# Albedos: black, brown, fair.
 HAIR_COLORS: tuple[Color, ...] = ((0.012, 0.009, 0.008), (0.06, 0.033, 0.018), (0.16, 0.1, 0.055))
 
 
 # The mesh's eyes are half shut; they are painted this much taller.
 EYE_OPENING = 1.5
-BROW_HAIRS = 450
+BROW_HAIRS = 450  # of each brow
 
 
 @dataclass(frozen=True, slots=True, eq=False)

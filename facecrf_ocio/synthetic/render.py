@@ -24,7 +24,7 @@ from facecrf_ocio.synthetic.skin_layers import (
 from facecrf_ocio.synthetic.spec import Color, Image, SyntheticFace, SyntheticSpec, rgb
 from facecrf_ocio.values import Bool, Float
 
-LIP_MELANIN, LIP_HEMOGLOBIN = 0.05, 0.60
+LIP_MELANIN, LIP_HEMOGLOBIN = 0.05, 0.60  # density of the pigments that lips add to skin
 
 
 def render_face(spec: SyntheticSpec) -> SyntheticFace:

@@ -12,8 +12,8 @@ from facecrf_ocio.synthetic.head import CENTER, Mesh, bust, face_head, hair_and_
 from facecrf_ocio.synthetic.spec import Image, SyntheticSpec
 from facecrf_ocio.values import Bool, Float, Index
 
-FRONTAL_WIDTH_CM = 15.5
-FACE_VERTICES = 468
+FRONTAL_WIDTH_CM = 15.5  # of the mesh, by which a face is scaled to its width in pixels
+FACE_VERTICES = 468  # of the landmarks' mesh, without irises
 
 
 @dataclass(frozen=True, slots=True, eq=False)

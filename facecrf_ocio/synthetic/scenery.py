@@ -9,7 +9,7 @@ from facecrf_ocio.synthetic.head import height_above_hairline
 from facecrf_ocio.synthetic.spec import Color, Image, rgb
 from facecrf_ocio.values import Float
 
-STRANDS = 900
+STRANDS = 900  # of hair around the head
 
 
 def hair_albedo(rng: np.random.Generator, uv: Image, color: Color, scalp: Float) -> Image:

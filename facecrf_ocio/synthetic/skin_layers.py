@@ -21,8 +21,8 @@ DIRECTIONS: Float = frozen([[-0.3285, -0.4967, -0.8033], [-0.1300, -0.6212, -0.7
 TONES: Float = frozen([[0.62, 0.345, 0.28], [0.38, 0.185, 0.130], [0.065, 0.037, 0.030]])
 
 # The texture spans the face's texture coordinates and a margin for the skull behind it.
-TEXTURE_SIZE = 1024
-TEXTURE_MARGIN = 0.25
+TEXTURE_SIZE = 1024  # [px] side
+TEXTURE_MARGIN = 0.25  # of the face's texture on each side, for the head around it
 
 # Marks are drawn in 8 bits, with this optical density at 255.
 DENSEST_MARK = 1.5

@@ -20,7 +20,7 @@ from facecrf_ocio.values import Float, InverseCRF
 _NAMESPACE = UUID("6f0b3c5e-54a7-5d0e-9a57-3c1d0c8e4b21")
 _DEPTHS = 'inBitDepth="32f" outBitDepth="32f"'
 _HALF_ONE = 15360  # bits of 1.0 as a half float
-_HALF_INFINITY = 31744
+_HALF_INFINITY = 31744  # bits of infinity as a half float
 
 
 def clf_text(recipe: Recipe, comments: Sequence[str] = ()) -> str:

@@ -22,7 +22,7 @@ from facecrf_ocio.values import Float, InverseCRF, Primaries
 CONNECTION_WHITE = np.array([0.9642, 1.0, 0.8249])
 DESCRIPTION = "Inverse camera response of one photo"
 COPYRIGHT = "No copyright is claimed in these measurements"
-_HEADER_SIZE = 128
+_HEADER_SIZE = 128  # [byte] by ICC.1, 7.2
 
 
 def icc_bytes(recipe: Recipe, comments: Sequence[str] = ()) -> bytes:

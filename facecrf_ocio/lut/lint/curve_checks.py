@@ -17,12 +17,12 @@ _STEEPEST, _STEEPEST_SLOPE, _STEEPEST_OF_MANY = 0.5, 400.0, 0.1
 # What jumps stands out from its neighbors; at an end, from the one: where a logarithm or the
 # perceptual quantizer begins, the first step is four times the second, a power of 1/5's seven.
 _STANDS_OUT, _STANDS_OUT_AT_AN_END = 4.0, 20.0
-_FEWEST = 16
+_FEWEST = 16  # entries within the ends, for a bend to stand out
 _ROUNDING = 1e-6  # of a value, by which decimals of a rising table may fall
-_CODE_WHITES = (255.0, 1023.0, 4095.0, 65535.0)
+_CODE_WHITES = (255.0, 1023.0, 4095.0, 65535.0)  # white of 8, 10, 12 and 16 bits
 _DARKEST_WHITE = 1e-3  # ten stops below white; the fraction of an integer white is 1e-3 or less
 _NO_NUMBER = "an entry is NaN or infinite"
-_HALF_FLOATS, _NEGATIVE_ZERO = 65536, 32768
+_HALF_FLOATS, _NEGATIVE_ZERO = 65536, 32768  # half floats there are, and the bits of -0.0
 _POSITIVE = np.arange(_NEGATIVE_ZERO)
 # A table for false color has a few colors, each for many codes in a row; no curve repeats as many.
 _FALSE_COLOR, _FEWEST_FALSE = 0.9, 256

@@ -11,7 +11,7 @@ from pathlib import Path
 from facecrf_ocio.lut.lint.finding import Table, broken
 
 _PARAMETERS = (1, 3, 4, 5, 7)  # of the kinds of parametric curves
-_SAMPLES = 256
+_SAMPLES = 256  # of a parametric curve: one for each 8-bit code
 _MOST_CURVES = 32
 """Of one profile: three for red, green, blue, and twelve in the float tags of four intents."""
 _MOST_PARTS = 64

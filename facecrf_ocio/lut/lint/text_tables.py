@@ -27,7 +27,7 @@ _KEYWORDS = {
     *("lut_1d_size", "lut_1d_input_range", "lut_3d_size", "lut_3d_input_range"),
     *("domain_min", "domain_max"),
 }
-_MOST_UNKNOWN = 3
+_MOST_UNKNOWN = 3  # unknown keywords told of; the others are like them
 _Lines = Iterator[tuple[int, list[str]]]
 
 

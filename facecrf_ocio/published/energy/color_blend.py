@@ -9,6 +9,7 @@ import numpy as np
 from facecrf_ocio.published.energy.sampling import Sampling
 from facecrf_ocio.values import Float, Index
 
+# [linear^2] keeps a division finite where a curve makes both regions alike.
 MIN_LENGTH_SQUARED = 1e-12
 
 

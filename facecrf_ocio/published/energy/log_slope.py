@@ -15,14 +15,14 @@ import numpy as np
 from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.values import Float
 
-INTERVALS = 64
-CENTERS = (np.arange(INTERVALS) + 0.5) / INTERVALS
+INTERVALS = 64  # of equal width in code values: one is four 8-bit codes
+CENTERS = (np.arange(INTERVALS) + 0.5) / INTERVALS  # of the intervals, encoded
 
-DRAWS = 4000
-MIN_SLOPE = 0.005
+DRAWS = 4000  # curves from which the covariance of 64 log slopes is measured
+MIN_SLOPE = 0.005  # [linear per encoded] of a drawn curve, whose logarithm is to be finite
 # What five eigenvectors leave out: independent of the model, smooth over a tenth of the codes.
 MISFIT_DEVIATION = 0.1
-MISFIT_LENGTH = 0.1
+MISFIT_LENGTH = 0.1  # [encoded]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

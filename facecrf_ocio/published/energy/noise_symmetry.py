@@ -32,14 +32,16 @@ from facecrf_ocio.values import Bool, Float
 # A priori ratio of read noise to photon noise at full scale, and its spread in natural logs: base
 # ISO of common sensors lies near 0.001, their highest near 0.05.
 READ_TO_SHOT = 0.02
-READ_TO_SHOT_SPREAD = 2.5
+READ_TO_SHOT_SPREAD = 2.5  # [natural log]
 
 # Errors of log variance and skewness beyond those of counting.
 VARIANCE_DEVIATION = 0.003
-SKEWNESS_DEVIATION = 0.001
+SKEWNESS_DEVIATION = 0.001  # [1]
 
+# Before the exact moments are taken, which need a curve near the right one.
 FIRST_ORDER_ITERATIONS = 5
-ITERATIONS = 25
+ITERATIONS = 25  # fixed, so that the result does not hang on a tolerance
+# [natural log] of any unknown in one iteration: Gauss-Newton overshoots far from the goal.
 MAX_STEP = 1.5
 
 

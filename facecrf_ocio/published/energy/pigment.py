@@ -10,8 +10,8 @@ import numpy as np
 from facecrf_ocio.published.energy.sampling import Sampling
 from facecrf_ocio.values import Bool, Float
 
-MIN_LINEAR = 1e-5
-MIN_RATIO = 1e-2
+MIN_LINEAR = 1e-5  # light below this counts as this, so that its logarithm is finite
+MIN_RATIO = 1e-2  # ratio of neighboring pixels' light, likewise
 
 PullBack = Callable[[Float], Float]
 
