@@ -1,4 +1,4 @@
-"""Every number a calibration depends on, in one place, with its unit and where it comes from."""
+"""What a calibration can be told: how faces are looked at, and the published method's weights."""
 
 from __future__ import annotations
 
@@ -13,6 +13,12 @@ VERDICTS = ("prior only", "weak", "reliable")
 @dataclass(frozen=True, slots=True)
 class Settings:
     """Settings of one calibration; "sec." and "eq." refer to Li, Lin, Zhou, Ikeuchi, CVPR 2017.
+
+    Those up to `value_high` say how every estimator looks at a face, `joint` too. `shared_curve`
+    is for the published estimators, `monotonicity_weight` for `face`, `face-unshaded` and `edge`,
+    the others for the first two alone. What `joint` has learned is in its model, and what the other
+    rivals use stands at the top of their files: with other numbers they would be other methods
+    than those that were measured.
 
     Attributes
     ----------
