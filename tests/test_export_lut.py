@@ -17,8 +17,8 @@ from hypothesis import strategies as st
 
 from facecrf_ocio.errors import LutError, OutputError, SettingsError
 from facecrf_ocio.lut.format_table import FORMATS
-from facecrf_ocio.lut.read_back import verify_lut
-from facecrf_ocio.lut.transform import Recipe
+from facecrf_ocio.lut.read_back import require_curve
+from facecrf_ocio.lut.transform import LutTransform
 from facecrf_ocio.lut.write import write_lut
 from facecrf_ocio.values import InverseCRF
 
@@ -351,7 +351,7 @@ def test_a_file_that_does_not_read_back_never_appears(
 ) -> None:
     curve = curve_of(NODES**2)
     row = FORMATS[suffix]
-    whole = str(row.write(Recipe(curve), ()))
+    whole = str(row.write(LutTransform(curve), ()))
     damaged = DAMAGE[damage](whole)
     assert damaged != whole
     module, _, function = row.writer.partition(":")
@@ -364,11 +364,11 @@ def test_a_file_that_does_not_read_back_never_appears(
 
 def test_verify_tells_curves_apart(tmp_path: Path) -> None:
     path = write_lut(curve_of(NODES**2.2), tmp_path / "a.clf")
-    verify_lut(path, curve_of(NODES**2.2))
+    require_curve(path, curve_of(NODES**2.2))
     bent = NODES**2.2
     bent[2000] += 2e-6
     with pytest.raises(LutError, match=r"error of 1.9\d?e-06|error of 2e-06"):
-        verify_lut(path, curve_of(bent))
+        require_curve(path, curve_of(bent))
 
 
 @pytest.mark.parametrize(

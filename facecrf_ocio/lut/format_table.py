@@ -17,9 +17,9 @@ from facecrf_ocio.lut.encoding import Encoding
 
 if TYPE_CHECKING:
     from facecrf_ocio.lut.lint.finding import Table
-    from facecrf_ocio.lut.transform import Recipe
+    from facecrf_ocio.lut.transform import LutTransform
 
-    Writer = Callable[[Recipe, Sequence[str]], str | bytes]
+    Writer = Callable[[LutTransform, Sequence[str]], str | bytes]
     Reader = Callable[[Path, bytes], list[Table]]
 
 _ROOM = "facecrf_ocio.lut."
@@ -34,7 +34,7 @@ class LutFormat:
     ending
         What follows a photo's name; the last part is the suffix that readers go by.
     writer
-        `module:function`, of a `Recipe` and comments, that returns the file's text or bytes.
+        `module:function`, of a `LutTransform` and comments, that returns the file's text or bytes.
     reader
         `module:function`, of a path and its bytes, that returns the tables the linter looks at.
     encoding

@@ -11,7 +11,7 @@ from facecrf_ocio.errors import LutError
 from facecrf_ocio.lut.format_table import LutFormat, format_of
 from facecrf_ocio.lut.ocio_processor import RefusedError, exact_cpu, ocio_processor
 from facecrf_ocio.lut.table import LUT_LENGTH
-from facecrf_ocio.lut.transform import Recipe, expected
+from facecrf_ocio.lut.transform import LutTransform, expected
 from facecrf_ocio.values import Float, InverseCRF
 
 TOLERANCE = 1e-6  # [linear] a few steps of single precision at white
@@ -19,7 +19,7 @@ TOLERANCE = 1e-6  # [linear] a few steps of single precision at white
 _CODE_RESOLUTION = 2.0**-24
 
 
-def verify_lut(path: Path, curve: InverseCRF, *, name: Path | None = None) -> None:
+def require_curve(path: Path, curve: InverseCRF, *, name: Path | None = None) -> None:
     """Check that OpenColorIO makes of a LUT file what the curve says.
 
     Compared are all entries and, between them, all 16-bit codes.
@@ -40,20 +40,22 @@ def verify_lut(path: Path, curve: InverseCRF, *, name: Path | None = None) -> No
         beyond what the float32 resolution of code values makes of a step.
     """
     row = format_of(path if name is None else name)
-    verify_recipe(path, Recipe(curve), row, name=name)
+    require_transform(path, LutTransform(curve), row, name=name)
 
 
-def verify_recipe(path: Path, recipe: Recipe, row: LutFormat, *, name: Path | None = None) -> None:
-    """Check that OpenColorIO makes of a file what its recipe says; see `verify_lut`."""
+def require_transform(
+    path: Path, transform: LutTransform, row: LutFormat, *, name: Path | None = None
+) -> None:
+    """Check that OpenColorIO makes of a file what its transform says; see `require_curve`."""
     name = path if name is None else name
     places, tolerance = _places(), TOLERANCE
     given = places
-    if recipe.encodes and recipe.matrix is not None:
-        given = (places @ recipe.matrix.T).astype(np.float32)
+    if transform.encodes and transform.matrix is not None:
+        given = (places @ transform.matrix.T).astype(np.float32)
     found: Float = _read_through_ocio(path, row, given, name).astype(np.float64)
-    if not recipe.encodes and recipe.matrix is not None:
-        found = np.linalg.solve(recipe.matrix, found.T).T
-        tolerance *= _gain(np.linalg.inv(recipe.matrix))
+    if not transform.encodes and transform.matrix is not None:
+        found = np.linalg.solve(transform.matrix, found.T).T
+        tolerance *= _gain(np.linalg.inv(transform.matrix))
     elif row.profile:
         # It goes on to XYZ; what black and the three primaries become is the way back.
         found = np.linalg.solve(
@@ -61,9 +63,9 @@ def verify_recipe(path: Path, recipe: Recipe, row: LutFormat, *, name: Path | No
         ).T
         tolerance *= 20.0  # entries are rounded to 1/65535, the colorants' inverse is near 3
     resolution = _CODE_RESOLUTION
-    if recipe.encodes and recipe.matrix is not None:
-        resolution *= 4.0 * _gain(recipe.matrix) * _gain(np.linalg.inv(recipe.matrix))
-    nodes, values = expected(recipe, row.encoding)
+    if transform.encodes and transform.matrix is not None:
+        resolution *= 4.0 * _gain(transform.matrix) * _gain(np.linalg.inv(transform.matrix))
+    nodes, values = expected(transform, row.encoding)
     error = _worst_error(found, places, (nodes, values), resolution)
     if not error <= tolerance:
         raise LutError(

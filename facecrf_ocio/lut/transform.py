@@ -18,7 +18,7 @@ ENCODE_LENGTH = 65536  # entries: one for each code of 16 bits
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Recipe:
+class LutTransform:
     """What a LUT file shall do.
 
     Attributes
@@ -71,22 +71,22 @@ def encode_table(curve: InverseCRF, nodes: Float) -> npt.NDArray[np.float32]:
     return np.stack(columns, axis=1).astype(np.float32)
 
 
-def uniform_rows(recipe: Recipe) -> tuple[int, str]:
+def uniform_rows(transform: LutTransform) -> tuple[int, str]:
     """Return length and rows "R G B" of the table over [0, 1] of formats that know no other."""
-    if recipe.encodes:
-        table = encode_table(recipe.curve, encode_nodes(half_domain=False))
+    if transform.encodes:
+        table = encode_table(transform.curve, encode_nodes(half_domain=False))
     else:
-        table = lut_table(recipe.curve)
+        table = lut_table(transform.curve)
     return len(table), rows_of(table)
 
 
-def expected(recipe: Recipe, encoding: Encoding) -> tuple[Float, Float]:
+def expected(transform: LutTransform, encoding: Encoding) -> tuple[Float, Float]:
     """Return nodes (3, K) and values (3, K) of the piecewise linear curve a format holds."""
-    if not recipe.encodes:
-        values = resample(recipe.curve)
+    if not transform.encodes:
+        values = resample(transform.curve)
         return np.tile(np.linspace(0.0, 1.0, LUT_LENGTH), (3, 1)), values
     if encoding is Encoding.EXACT:
-        linear = lut_table(recipe.curve).T.astype(np.float64)
+        linear = lut_table(transform.curve).T.astype(np.float64)
         return linear, np.tile(np.linspace(0.0, 1.0, LUT_LENGTH), (3, 1))
     nodes = encode_nodes(half_domain=encoding is Encoding.HALF_DOMAIN)
-    return np.tile(nodes, (3, 1)), encode_table(recipe.curve, nodes).T.astype(np.float64)
+    return np.tile(nodes, (3, 1)), encode_table(transform.curve, nodes).T.astype(np.float64)

@@ -10,8 +10,8 @@ from facecrf_ocio.errors import LutError
 from facecrf_ocio.files.atomic import Draft, write_files
 from facecrf_ocio.lut.encoding import Encoding
 from facecrf_ocio.lut.format_table import FORMATS, LutFormat, format_of, require_format
-from facecrf_ocio.lut.read_back import verify_recipe
-from facecrf_ocio.lut.transform import Recipe
+from facecrf_ocio.lut.read_back import require_transform
+from facecrf_ocio.lut.transform import LutTransform
 from facecrf_ocio.values import InverseCRF, Primaries
 
 
@@ -62,19 +62,23 @@ def write_lut(
     SettingsError
         If the direction or the working space is unknown.
     """
-    recipe = Recipe(curve, direction, space, primaries)
+    transform = LutTransform(curve, direction, space, primaries)
     path = Path(path)
-    draft = lut_draft(recipe, path, provenance or {}, format_of(path).ending)
+    draft = lut_draft(transform, path, provenance or {}, format_of(path).ending)
     return write_files([draft], overwrite=overwrite)[0]
 
 
-def lut_draft(recipe: Recipe, path: Path, provenance: Mapping[str, str], name: str) -> Draft:
+def lut_draft(
+    transform: LutTransform, path: Path, provenance: Mapping[str, str], name: str
+) -> Draft:
     """Return the LUT file of a format to be written, which checks itself through OpenColorIO."""
     row = require_format(name, path)
-    _require_able(row, recipe.direction, recipe.space, f"{path}: ")
-    content = row.write(recipe, [f"{key}: {value}" for key, value in provenance.items()])
+    _require_able(row, transform.direction, transform.space, f"{path}: ")
+    content = row.write(transform, [f"{key}: {value}" for key, value in provenance.items()])
     content = content.encode("utf-8") if isinstance(content, str) else content
-    return Draft(path, content, lambda written: verify_recipe(written, recipe, row, name=path))
+    return Draft(
+        path, content, lambda written: require_transform(written, transform, row, name=path)
+    )
 
 
 def split_ending(ending: str) -> tuple[str, str, str]:

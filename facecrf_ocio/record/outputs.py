@@ -9,7 +9,7 @@ from facecrf_ocio import __version__
 from facecrf_ocio.errors import LutError, OutputError, reason_of
 from facecrf_ocio.files.atomic import Draft, require_free, write_files
 from facecrf_ocio.lut.format_table import default_formats
-from facecrf_ocio.lut.transform import Recipe
+from facecrf_ocio.lut.transform import LutTransform
 from facecrf_ocio.lut.write import lut_draft, split_ending
 from facecrf_ocio.record.sidecar import SUFFIX, read_sidecar, sidecar_draft
 from facecrf_ocio.settings import Settings
@@ -134,8 +134,8 @@ def _require_same_source(sidecar: Path, source: Path) -> None:
 
 def _lut_draft(ending: str, path: Path, photo: Photo, estimate: Estimate) -> Draft:
     space, direction, name = split_ending(ending)
-    recipe = Recipe(estimate.curve, direction, space, photo.primaries)
-    return lut_draft(recipe, path, _provenance(photo, estimate), name)
+    transform = LutTransform(estimate.curve, direction, space, photo.primaries)
+    return lut_draft(transform, path, _provenance(photo, estimate), name)
 
 
 def _provenance(photo: Photo, estimate: Estimate) -> Mapping[str, str]:

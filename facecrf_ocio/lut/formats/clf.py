@@ -14,7 +14,7 @@ import numpy as np
 
 from facecrf_ocio.lut.comments import one_line
 from facecrf_ocio.lut.table import LUT_LENGTH, rows_of, table_rows
-from facecrf_ocio.lut.transform import Recipe, encode_nodes, encode_table
+from facecrf_ocio.lut.transform import LutTransform, encode_nodes, encode_table
 from facecrf_ocio.values import Float, InverseCRF
 
 _NAMESPACE = UUID("6f0b3c5e-54a7-5d0e-9a57-3c1d0c8e4b21")
@@ -23,38 +23,38 @@ _HALF_ONE = 15360  # bits of 1.0 as a half float
 _HALF_INFINITY = 31744  # bits of infinity as a half float
 
 
-def clf_text(recipe: Recipe, comments: Sequence[str] = ()) -> str:
+def clf_text(transform: LutTransform, comments: Sequence[str] = ()) -> str:
     """Return the text of a CLF, to be encoded as UTF-8.
 
     The required identifier is derived from the numbers and the comments, so that equal files are
     equal byte for byte.
     """
-    curve = _half_domain(recipe.curve) if recipe.encodes else _lut1d(recipe.curve, "LUT1D")
-    return _process_list(recipe, curve, comments, 'compCLFversion="3"', "3 3")
+    curve = _half_domain(transform.curve) if transform.encodes else _lut1d(transform.curve, "LUT1D")
+    return _process_list(transform, curve, comments, 'compCLFversion="3"', "3 3")
 
 
-def ctf_text(recipe: Recipe, comments: Sequence[str] = ()) -> str:
+def ctf_text(transform: LutTransform, comments: Sequence[str] = ()) -> str:
     """Return the text of a CTF, to be encoded as UTF-8; its identifier is made as a CLF's."""
-    curve = _lut1d(recipe.curve, "InverseLUT1D" if recipe.encodes else "LUT1D")
-    return _process_list(recipe, curve, comments, 'version="1.3"', "3 3 3")
+    curve = _lut1d(transform.curve, "InverseLUT1D" if transform.encodes else "LUT1D")
+    return _process_list(transform, curve, comments, 'version="1.3"', "3 3 3")
 
 
 def _process_list(
-    recipe: Recipe, curve: str, comments: Sequence[str], version: str, matrix_size: str
+    transform: LutTransform, curve: str, comments: Sequence[str], version: str, matrix_size: str
 ) -> str:
-    linear = f"linear RGB, {recipe.space or 'relative exposure'}"
-    if recipe.space:
+    linear = f"linear RGB, {transform.space or 'relative exposure'}"
+    if transform.space:
         linear += ", relative exposure"
     ends = ("RGB as encoded by the camera", linear)
     title, name = "Inverse camera response of one photo", "inverse camera response"
     operations = curve
-    if recipe.matrix is not None:
-        operations += _matrix(recipe.matrix, matrix_size)
-    if recipe.encodes:
+    if transform.matrix is not None:
+        operations += _matrix(transform.matrix, matrix_size)
+    if transform.encodes:
         ends = ends[::-1]
         title, name = "Camera response of one photo", "camera response"
-        if recipe.matrix is not None:
-            operations = _matrix(np.linalg.inv(recipe.matrix), matrix_size) + curve
+        if transform.matrix is not None:
+            operations = _matrix(np.linalg.inv(transform.matrix), matrix_size) + curve
     descriptions = "".join(
         f"    <Description>{escape(one_line(line), quote=False)}</Description>\n"
         for line in (title, *comments)

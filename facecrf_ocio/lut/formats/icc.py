@@ -15,7 +15,7 @@ from facecrf_ocio.color.adaptation import bradford, rgb_to_xyz
 from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
 from facecrf_ocio.lut.comments import one_line
 from facecrf_ocio.lut.table import resample
-from facecrf_ocio.lut.transform import Recipe
+from facecrf_ocio.lut.transform import LutTransform
 from facecrf_ocio.values import Float, InverseCRF, Primaries
 
 # The profile connection space's white, X and Z with Y = 1 (ICC.1:2022, 7.2.16).
@@ -25,14 +25,14 @@ COPYRIGHT = "No copyright is claimed in these measurements"
 _HEADER_SIZE = 128  # [byte] by ICC.1, 7.2
 
 
-def icc_bytes(recipe: Recipe, comments: Sequence[str] = ()) -> bytes:
+def icc_bytes(transform: LutTransform, comments: Sequence[str] = ()) -> bytes:
     """Return a profile's bytes (ICC.1:2001-04); primaries that are not known stand for Rec.709."""
     text = "\n".join((COPYRIGHT, DESCRIPTION, *map(one_line, comments)))
     tags = {
         b"desc": _description(DESCRIPTION),
         b"cprt": _text(text),
         b"wtpt": xyz_tag(CONNECTION_WHITE),
-        **matrix_and_curves(recipe),
+        **matrix_and_curves(transform),
     }
     return assemble(tags, version=0x02400000)
 
@@ -59,12 +59,12 @@ def curve_codes(curve: InverseCRF) -> Float:
     return np.asarray(np.rint(resample(curve) * 65535.0))
 
 
-def matrix_and_curves(recipe: Recipe) -> dict[bytes, bytes]:
+def matrix_and_curves(transform: LutTransform) -> dict[bytes, bytes]:
     """The tags of a matrix profile, by which every reader of ICC profiles can go."""
-    columns = colorants(recipe.primaries)
+    columns = colorants(transform.primaries)
     return {
         **{name: xyz_tag(columns[:, i]) for i, name in enumerate((b"rXYZ", b"gXYZ", b"bXYZ"))},
-        **dict(zip((b"rTRC", b"gTRC", b"bTRC"), _curves(recipe.curve), strict=True)),
+        **dict(zip((b"rTRC", b"gTRC", b"bTRC"), _curves(transform.curve), strict=True)),
     }
 
 

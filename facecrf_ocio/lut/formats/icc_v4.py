@@ -27,20 +27,20 @@ from facecrf_ocio.lut.formats.icc import (
     xyz_tag,
 )
 from facecrf_ocio.lut.table import lut_table
-from facecrf_ocio.lut.transform import Recipe
+from facecrf_ocio.lut.transform import LutTransform
 from facecrf_ocio.values import Float, InverseCRF, Primaries
 
 
-def icc_v4_bytes(recipe: Recipe, comments: Sequence[str] = ()) -> bytes:
+def icc_v4_bytes(transform: LutTransform, comments: Sequence[str] = ()) -> bytes:
     """Return a profile's bytes (ICC.1:2022); primaries that are not known stand for Rec.709."""
-    floats = _elements(recipe.curve, recipe.primaries)
+    floats = _elements(transform.curve, transform.primaries)
     text = "\n".join((COPYRIGHT, *map(one_line, comments)))
     tags = {
         b"desc": _localized(DESCRIPTION),
         b"cprt": _localized(text),
         b"wtpt": xyz_tag(CONNECTION_WHITE),
-        b"chad": b"sf32" + bytes(4) + fixed_point(adaptation(recipe.primaries)),
-        **matrix_and_curves(recipe),
+        b"chad": b"sf32" + bytes(4) + fixed_point(adaptation(transform.primaries)),
+        **matrix_and_curves(transform),
         # All intents are alike: absolute and relative differ by the media's white, here D50.
         **dict.fromkeys((b"D2B0", b"D2B1", b"D2B2", b"D2B3"), floats),
     }

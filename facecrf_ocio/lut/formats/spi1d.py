@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from facecrf_ocio.lut.comments import hash_comments
-from facecrf_ocio.lut.transform import Recipe, uniform_rows
+from facecrf_ocio.lut.transform import LutTransform, uniform_rows
 
 
-def spi1d_text(recipe: Recipe, comments: Sequence[str] = ()) -> str:
+def spi1d_text(transform: LutTransform, comments: Sequence[str] = ()) -> str:
     """Return the file's text; comments stand behind the table, where no reader looks."""
-    length, rows = uniform_rows(recipe)
+    length, rows = uniform_rows(transform)
     header = f"Version 1\nFrom 0 1\nLength {length}\nComponents 3\n"
     return f"{header}{{\n{rows}}}\n{hash_comments(comments)}"
