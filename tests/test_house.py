@@ -104,3 +104,26 @@ def test_functions_are_small():
 def test_every_number_has_its_reason_beside_it(name):
     if name.split("/")[0] not in UNEXPLAINED_ROOMS:
         assert list(unexplained(name)) == []
+
+
+SQL = re.compile(r"\b(SELECT .* FROM|INSERT INTO|UPDATE \w+ SET|DELETE FROM|CREATE TABLE|PRAGMA)\b")
+
+
+def test_sql_stands_in_one_room():
+    speaking = {
+        name
+        for name, tree in TREES.items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and SQL.search(node.value)
+    }
+    assert {Path(name).parent.as_posix() for name in speaking} == {"archive/manifest"}
+
+
+def test_nothing_speaks_to_sqlite_but_that_room():
+    using = {
+        name
+        for name, tree in TREES.items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Import) and any(alias.name == "sqlite3" for alias in node.names)
+    }
+    assert {Path(name).parent.as_posix() for name in using} == {"archive/manifest"}

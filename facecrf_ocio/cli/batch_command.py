@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from facecrf_ocio.archive.run import Event, Job
     from facecrf_ocio.archive.work.dask_cluster import Cluster
 
-INTERRUPTED = 130
+INTERRUPTED = 130  # exit code of what Ctrl-C ended: 128 + SIGINT, as shells have it
 _TLS = ("tls_ca", "tls_cert", "tls_key")
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 KINDS = ("reliable", "weak", "prior only", "no curve", "failed")
 _PLAIN_EVERY = 30.0  # [s] between two lines where there is no terminal
-_SUFFIXES_TOLD = 8
+_SUFFIXES_TOLD = 8  # of files that are no photos; the others are counted
 
 
 class Progress:

@@ -7,9 +7,9 @@ import numpy.typing as npt
 
 from facecrf_ocio.values import Float
 
-_M1, _M2 = 2610 / 16384, 2523 / 4096 * 128
-_C1, _C2, _C3 = 3424 / 4096, 2413 / 4096 * 32, 2392 / 4096 * 32
-_A, _B, _C = 0.17883277, 0.28466892, 0.55991073
+_M1, _M2 = 2610 / 16384, 2523 / 4096 * 128  # of PQ, table 4
+_C1, _C2, _C3 = 3424 / 4096, 2413 / 4096 * 32, 2392 / 4096 * 32  # of PQ, table 4
+_A, _B, _C = 0.17883277, 0.28466892, 0.55991073  # of HLG, table 5
 
 
 def decode_pq(encoded: npt.ArrayLike) -> Float:

@@ -8,10 +8,10 @@ from typing import Any
 from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.values import Camera
 
-_EXIF_DIRECTORY, _MAKER_NOTES = 0x8769, 0x927C
-_MAKE, _MODEL, _SOFTWARE, _BODY_SERIAL = 271, 272, 305, 0xA431
+_EXIF_DIRECTORY, _MAKER_NOTES = 0x8769, 0x927C  # tags (EXIF 2.32, sec. 4.6)
+_MAKE, _MODEL, _SOFTWARE, _BODY_SERIAL = 271, 272, 305, 0xA431  # tags (EXIF 2.32, sec. 4.6)
 _APPLE, _APPLE_START = b"Apple iOS\0", 14  # [byte] then a directory, in the order of byte 12
-_SIGNED_FRACTION = 10
+_SIGNED_FRACTION = 10  # type SRATIONAL of TIFF 6.0
 
 
 def load_exif(content: bytes) -> Any:
