@@ -12,7 +12,7 @@ import PyOpenColorIO as ocio  # noqa: N813
 
 from facecrf_ocio.lut.ocio_processor import RefusedError, ocio_processor
 
-_MOST_WARNINGS = 20
+_MOST_WARNINGS = 20  # of OpenColorIO for one file, sent to whoever asked
 _MEMORY = 2 << 30  # [byte] of addresses; OpenColorIO itself takes some 0.2e9
 
 

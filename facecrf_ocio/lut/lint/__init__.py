@@ -16,7 +16,7 @@ from facecrf_ocio.lut.usable import ask
 
 __all__ = ["ERROR", "WARNING", "Finding", "lint"]
 
-_MOST_WARNINGS = 3
+_MOST_WARNINGS = 3  # of OpenColorIO for one file; the others mostly repeat them
 _LARGEST = 1 << 26
 """[byte] Of a file that is looked into; a 3-D LUT of 129 entries a side as text has 60e6."""
 
