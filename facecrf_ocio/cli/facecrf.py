@@ -15,6 +15,7 @@ from facecrf_ocio.cli.batch_command import batch
 from facecrf_ocio.cli.bench_command import bench
 from facecrf_ocio.cli.bracket_command import bracket
 from facecrf_ocio.cli.calibrate_command import calibrate
+from facecrf_ocio.cli.doctor_command import doctor
 from facecrf_ocio.cli.explain_command import explain
 from facecrf_ocio.cli.lint_command import lint
 from facecrf_ocio.cli.merge_command import merge
@@ -64,6 +65,7 @@ main.add_command(batch)
 main.add_command(verify)
 main.add_command(report)
 main.add_command(explain)
+main.add_command(doctor)
 
 
 @main.command()
@@ -78,6 +80,12 @@ main.add_command(explain)
     help="Light by the photo's gain map, with headroom above 1 as its maker rendered it; or by the "
     "calibrated curve. By the map where there is one (auto), but with --to by the curve.",
 )
+@click.option(
+    "--exposure",
+    default="0",
+    metavar="STOPS|gray",
+    help="Scale the light: by stops, or its geometric mean to 0.18. Told in the EXR.",
+)
 @estimation_options
 @ending_well
 def linearize(
@@ -87,6 +95,7 @@ def linearize(
     compression: str,
     space: str | None,
     hdr: str,
+    exposure: str,
     **choices: Any,
 ) -> int:
     """Calibrate PHOTO and write it as a scene-linear EXR."""
@@ -94,11 +103,15 @@ def linearize(
     _require_exr_free(output, overwrite=chosen.overwrite)
     if hdr == "map" and space:
         raise SettingsError("--to needs scene light, which no gain map proves; use --hdr curve")
+    if hdr == "map" and exposure != "0":
+        raise SettingsError("--exposure is for the calibrated curve; use --hdr curve")
     written: tuple[Path, ...] = ()
     exr: dict[str, Any] = {"half": half, "compression": compression, "overwrite": chosen.overwrite}
     with status(f"linearizing {photo}"):
         source = chosen.read(photo)
-        by_map = hdr == "map" or (hdr == "auto" and source.gain_map is not None and not space)
+        by_map = hdr == "map" or (
+            hdr == "auto" and source.gain_map is not None and not space and exposure == "0"
+        )
         if by_map:
             from facecrf_ocio.image.hdr_rendition import write_rendition
 
@@ -108,7 +121,11 @@ def linearize(
 
             estimate = chosen.estimate(source)
             if estimate.found is not None:
-                written = (write_linear(output, source, estimate, space=space or "", **exr),)
+                written = (
+                    write_linear(
+                        output, source, estimate, space=space or "", exposure=exposure, **exr
+                    ),
+                )
     if by_map:
         return _tell_rendition(photo, source, rendition)
     return tell(photo, estimate, written, notes=source.notes, verbose=chosen.verbose)

@@ -11,6 +11,7 @@ import numpy as np
 from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.color.working_space import working_primaries, working_space_matrix
 from facecrf_ocio.image.apply import Pixels, Rows, linear_rows, write_exr
+from facecrf_ocio.image.exposure import exposure_stops
 from facecrf_ocio.image.lookup import curve_lookup
 from facecrf_ocio.image.lut_lookup import lut_lookup
 from facecrf_ocio.record.provenance import of_estimate, of_lut
@@ -23,6 +24,7 @@ def write_linear(
     estimate: Estimate,
     *,
     space: str = "",
+    exposure: str = "0",
     half: bool = True,
     compression: str = "zip",
     overwrite: bool = False,
@@ -30,7 +32,8 @@ def write_linear(
     """Send a photo through its estimated curve and write the result; see `apply.write_exr`.
 
     With `space`, one of `color.working_space.WORKING_SPACES`, a matrix from the photo's primaries
-    (Rec.709 where they are not known) follows the curve.
+    (Rec.709 where they are not known) follows the curve. `exposure`, as `exposure_stops` takes it,
+    scales the light; the curve stays as it is, and the file tells the stops.
 
     Raises
     ------
@@ -38,11 +41,18 @@ def write_linear(
         If the estimate has no curve.
     OutputError
         If the file exists and `overwrite` is false, or it cannot be written.
+    SettingsError
+        If the exposure is not known.
     """
     provenance = of_estimate(photo, estimate)
-    # A matrix wants more than half floats of what it is given.
-    rows = linear_rows(photo, curve_lookup(estimate.curve), half=half and not space)
+    stops = exposure_stops(exposure, photo, estimate.curve)
+    # What is computed with further wants more than half floats.
+    exact = half and not space and not stops
+    rows = linear_rows(photo, curve_lookup(estimate.curve), half=exact)
     linear: Pixels | Rows = photo.encoded if photo.scene_linear else rows
+    if stops:
+        linear = _scaled(linear, 2.0**stops)
+        provenance = {**provenance, "exposure": f"{stops:+.3f} stops ({exposure})"}
     if photo.named_curve:
         photo = replace(photo, primaries=_of_display(photo))
     if space:
@@ -92,6 +102,14 @@ def write_through_lut(
         compression=compression,
         overwrite=overwrite,
     )
+
+
+def _scaled(linear: Pixels | Rows, factor: float) -> Rows:
+    def rows(begin: int, end: int) -> Pixels:
+        band = linear(begin, end) if callable(linear) else linear[begin:end]
+        return np.asarray(band * np.float32(factor))
+
+    return rows
 
 
 def _of_display(photo: Photo) -> Primaries:

@@ -29,7 +29,7 @@ An outcome says whether there is a curve, and what it rests on.
 calibrated       A curve from this photo's own evidence.
 from its camera  No evidence of its own; the curve of other photos of the same camera.
 already linear   The file (raw, OpenEXR, HDR) holds linear light: use it as it is.
-named by the file  PQ or HLG (ITU-R BT.2100): the file says which, and that is used exactly.
+named by the file  PQ or HLG (ITU-R BT.2100): used exactly as the file says.
 fallback         The curve that was asked for where the photo gives none.
 not calibrated   No curve was written. The line says why, and what to do.
 """
@@ -40,8 +40,6 @@ which is why a linear plate looks dark beside an encoded one.
 
 --exposure STOPS   multiplies the EXR by two to the power of STOPS.
 --exposure gray    brings the geometric mean of the picture's luminance to 0.18.
---exposure skin    brings the skin of the largest face to what skin of its tone
-                   reflects as a rule (luminance 0.12 to 0.45).
 
 The curve and its LUT files stay as they are. The EXR records the factor
 (facecrf:exposure), so that it can be taken out again.
