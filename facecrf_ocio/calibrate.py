@@ -21,6 +21,7 @@ from facecrf_ocio.estimators import (
     JOINT_NAMES,
 )
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude, gather, shipped_joint
+from facecrf_ocio.joint.single_curve import MOST_SCATTER, gain_scatter
 from facecrf_ocio.published.estimate import published_estimate
 from facecrf_ocio.response.fixed import fixed_curve, prior_confidence
 from facecrf_ocio.response.model import (
@@ -107,6 +108,7 @@ def calibrate(
     else:
         estimate = published_estimate(ESTIMATORS[estimator], photo, response, settings)
         estimate = replace(estimate, assumptions=assumptions_of(photo))
+    estimate = _doubted(estimate, photo)
     if estimate.outcome is Outcome.NOT_CALIBRATED and fallback != "none":
         return _fall_back(estimate, fallback, photo, response)
     return estimate
@@ -129,6 +131,20 @@ def _joint(
         return Estimate(Outcome.NOT_CALIBRATED, "joint", evidence.lacking, evidence.remedy)
     estimate = conclude([evidence], prior, model)
     return replace(estimate, assumptions=(*assumptions_of(photo), SAME_CURVE))
+
+
+def _doubted(estimate: Estimate, photo: Photo) -> Estimate:
+    """Never `reliable` where the file says that no single curve of the camera made the photo."""
+    doubts = list(photo.edits)
+    scatter = gain_scatter(photo)
+    if scatter > MOST_SCATTER:
+        doubts.append(f"its gain map strays from every single curve by {scatter:.2f} stops")
+    told = estimate.confidence
+    if not doubts or told is None:
+        return estimate
+    verdict = Verdict.WEAK if told.verdict is Verdict.RELIABLE else told.verdict
+    reasons = (*told.reasons, *(f"perhaps no single curve: {doubt}" for doubt in doubts))
+    return replace(estimate, confidence=replace(told, verdict=verdict, reasons=reasons))
 
 
 def _already_linear(photo: Photo) -> Estimate:

@@ -172,6 +172,8 @@ class Photo:
         Source file and the digest of its bytes; None for an array in memory.
     gain_map
         None where the file has none, or none of use.
+    edits
+        What the file says was done after the camera, in clauses.
     notes
         What reading mended, chosen or set aside, in clauses; empty for a file without a flaw.
     """
@@ -187,6 +189,7 @@ class Photo:
     path: Path | None = None
     sha256: str | None = None
     gain_map: GainMap | None = None
+    edits: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:

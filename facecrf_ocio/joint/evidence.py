@@ -19,6 +19,7 @@ from facecrf_ocio.face.view import cut_face, lacking_faces
 from facecrf_ocio.joint.messages import Networks, shipped_networks
 from facecrf_ocio.joint.metadata import modern_leaning, phone_leaning
 from facecrf_ocio.joint.prior import Message
+from facecrf_ocio.joint.single_curve import no_photograph
 from facecrf_ocio.joint.statistics import (
     Statistics,
     counted_statistics,
@@ -146,6 +147,9 @@ def observe(photo: Photo, settings: Settings) -> Observation | Lacking:
     if not found.faces:
         return lacking_faces(found, settings)
     face = max(found.faces, key=lambda candidate: float(candidate.box_xy[2]))
+    unfit = no_photograph(photo.encoded, face.box_xy)
+    if unfit is not None:
+        return unfit
     # The networks know 8-bit photos: rounding is part of the noise they learned from.
     finer = photo.bit_depth != 8
     view = cut_face(photo, face, settings, to_8_bits=finer)

@@ -15,6 +15,7 @@ from facecrf_ocio.color.primaries import known_primaries, name_primaries
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import complaint, plain_text
 from facecrf_ocio.photo.channels import alpha_channel, color_channels, is_premultiplied
+from facecrf_ocio.photo.edits import edits_told
 from facecrf_ocio.photo.gain_map import jpeg_gain_map
 from facecrf_ocio.photo.heif import read_heif
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_file, check_size
@@ -128,7 +129,7 @@ def _read_image(file: PhotoFile, picture: Picture, sha256: str) -> Photo:
     gain_map, set_aside = (None, ()) if file.jpeg is None else jpeg_gain_map(file.jpeg, turn)
     file.forget()
 
-    alpha = None
+    camera, alpha = _camera(spec), None
     if turn == 1 and _is_plain_16_bits(spec, channels):
         encoded = _decode_by_bands(path, source, bits)
     else:
@@ -153,10 +154,11 @@ def _read_image(file: PhotoFile, picture: Picture, sha256: str) -> Photo:
         # Filters of renderers overshoot a little; colors are divided by what the file has.
         alpha=None if alpha is None else frozen(alpha.clip(0.0, 1.0), np.float32),
         primaries=primaries_of(spec, icc),
-        camera=_camera(spec),
+        camera=camera,
         path=path,
         sha256=sha256,
         gain_map=gain_map,
+        edits=edits_told(file.xmp, camera.software),
         notes=(*picture.notes, *profile_notes(icc), *set_aside),
     )
 

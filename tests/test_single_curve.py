@@ -1,0 +1,181 @@
+"""Pictures without a single curve are told so, and are never called reliable."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from face_photos import grace_hopper
+from gain_map_files import jpeg, ultra_hdr_numbers, with_gain_map, xmp
+from photo_files import with_segments
+
+from facecrf_ocio import Photo, calibrate, read_photo
+from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.joint.single_curve import (
+    FEWEST_COLORS,
+    LEAST_CHROMA,
+    MOST_FLAT,
+    MOST_SCATTER,
+    chroma_share,
+    distinct_colors,
+    flat_share,
+    gain_scatter,
+    middle_codes,
+    no_photograph,
+)
+from facecrf_ocio.photo.edits import edits_told
+from facecrf_ocio.values import Outcome, Verdict
+
+FACE = np.array([150.0, 80.0, 200.0, 250.0])
+
+
+def stored(picture: np.ndarray, quality: int = 90) -> np.ndarray:
+    codes = np.rint(np.clip(picture, 0, 1) * 255).astype(np.uint8)
+    _, content = cv2.imencode(".jpg", codes, [cv2.IMWRITE_JPEG_QUALITY, quality])
+    return np.float32(cv2.imdecode(content, cv2.IMREAD_COLOR)) / np.float32(255)
+
+
+def toned(exponents: tuple[float, float, float]) -> np.ndarray:
+    gray = grace_hopper() @ np.float32([0.299, 0.587, 0.114])
+    return np.stack([gray**exponent for exponent in exponents], axis=2)
+
+
+@pytest.mark.parametrize("quality", [60, 92])
+@pytest.mark.parametrize("exponents", [(0.8, 1.0, 1.3), (1.5, 1.1, 0.8), (0.95, 1.0, 1.05)])
+def test_toned_black_and_white(quality: int, exponents: tuple[float, float, float]) -> None:
+    picture = stored(toned(exponents), quality)
+    assert chroma_share(picture) < LEAST_CHROMA
+    unfit = no_photograph(picture, FACE)
+    assert unfit is not None
+    assert "one hue: no pigments to look at" in unfit.reason
+
+
+@pytest.mark.parametrize("quality", [40, 95])
+def test_an_ordinary_photo_is_one(quality: int) -> None:
+    picture = stored(grace_hopper(), quality)
+    assert no_photograph(picture, FACE) is None
+    assert chroma_share(picture) > 1.5 * LEAST_CHROMA
+    codes = middle_codes(picture)
+    assert distinct_colors(codes) > 5 * FEWEST_COLORS
+    assert flat_share(codes) < MOST_FLAT / 1.5
+
+
+def test_a_palette() -> None:
+    picture = np.round(grace_hopper() * 5) / np.float32(5)
+    unfit = no_photograph(picture, FACE)
+    assert unfit is not None
+    assert "palette" in unfit.reason
+
+
+def test_a_drawn_face() -> None:
+    picture = np.array(grace_hopper())
+    cv2.ellipse(picture, (250, 200), (140, 170), 0, 0, 360, (0.9, 0.7, 0.6), -1)
+    unfit = no_photograph(picture, FACE)
+    assert unfit is not None
+    assert "drawn" in unfit.reason
+
+
+def test_calibrate_says_what_is_wrong() -> None:
+    estimate = calibrate(Photo(stored(toned((0.8, 1.0, 1.3)))))
+    assert estimate.outcome is Outcome.NOT_CALIBRATED
+    assert "one hue" in estimate.reason
+    assert estimate.remedy
+
+
+@pytest.mark.parametrize(
+    ("said", "software", "clauses"),
+    [
+        ("", "Ver.1.00", 0),
+        ("", "HDR+ 1.0.570503588zd", 0),
+        ("", "Adobe Photoshop CS6 (Windows)", 1),
+        ("", "Instagram", 1),
+        ('xmp:CreatorTool="Snapseed"', "", 1),
+        ('crs:Version="15.0" crs:Clarity2012="0" crs:Dehaze="+0"', "", 0),
+        ('crs:Clarity2012="+20"', "", 1),
+        ("<crs:PaintBasedCorrections><rdf:Seq/></crs:PaintBasedCorrections>", "", 1),
+        ('crs:Shadows2012="+45"', "Adobe Lightroom 6.0", 2),
+    ],
+)
+def test_edits_that_the_file_tells_of(said: str, software: str, clauses: int) -> None:
+    assert len(edits_told(said, software)) == clauses
+
+
+def test_an_edited_photo_is_never_reliable(tmp_path: Path) -> None:
+    codes = np.rint(grace_hopper() * 255).astype(np.uint8)
+    (tmp_path / "a.jpg").write_bytes(with_segments(jpeg(codes), xmp('xmp:CreatorTool="VSCO"')))
+    photo = read_photo(tmp_path / "a.jpg")
+    assert photo.edits == ("it was edited (VSCO)",)
+    confidence = calibrate(photo).confidence
+    assert confidence is not None
+    assert confidence.verdict is not Verdict.RELIABLE
+    assert any("VSCO" in reason for reason in confidence.reasons)
+    plain = calibrate(replace(photo, edits=())).confidence
+    assert plain is not None
+    assert not any("single curve" in reason for reason in plain.reasons)
+
+
+@pytest.mark.parametrize(("is_local", "least", "most"), [(False, 0, 0.03), (True, MOST_SCATTER, 2)])
+def test_gain_maps_tell_tone_mapping_of_places(
+    tmp_path: Path, is_local: bool, least: float, most: float
+) -> None:
+    codes = np.rint(grace_hopper() * 255).astype(np.uint8)
+    values = codes.max(axis=2)
+    if is_local:
+        values = cv2.GaussianBlur(values, None, 40)
+    numbers = ultra_hdr_numbers(GainMapMax=2)
+    (tmp_path / "a.jpg").write_bytes(with_gain_map(codes, values, numbers))
+    assert least <= gain_scatter(read_photo(tmp_path / "a.jpg")) <= most
+
+
+# What ../shared/cases says is right, as far as it is of a photo read and calibrated.
+READ = {
+    "avif.avif": (512, 512),
+    "photo.heic": (512, 512),
+    "jpeg_named.CR2": (512, 512),
+    "jpeg_named.dng": (512, 512),
+    "jpeg_named.raw": (512, 512),
+    "jpeg_stray_bytes_header.jpg": (512, 512),
+    "lin16_crop.dng": (400, 300),
+    "thumb_first.tif": (512, 512),
+    "uhdr_bright.jpg": (512, 512),
+    "latin1_make.jpg": (500, 400),
+    "chad_zero.jpg": (700, 560),
+    "col_zero.jpg": (700, 560),
+}
+UNFIT = ("cyanotype.jpg", "sepia.jpg", "bw_tint_warm.jpg", "palette64.png", "flat_drawing.png")
+
+
+@pytest.fixture(scope="module")
+def cases() -> Path:
+    default = Path(__file__).resolve().parents[2] / "shared" / "cases"
+    folder = Path(os.environ.get("FACECRF_CASES", default)) / "photos"
+    if not folder.is_dir():
+        pytest.skip(f"cases are not in {folder}; set FACECRF_CASES")
+    return folder
+
+
+@pytest.mark.slow
+def test_the_cases_kept_beside_the_project(cases: Path) -> None:
+    for name, shape in READ.items():
+        try:
+            photo = read_photo(cases / name)
+        except PhotoError as error:
+            if "install" not in str(error):  # as it says of HEIC without the extra
+                raise
+            continue
+        assert photo.encoded.shape[:2] == shape, name
+    for name in UNFIT:
+        estimate = calibrate(read_photo(cases / name))
+        assert estimate.outcome is Outcome.NOT_CALIBRATED, name
+    dog = calibrate(read_photo(cases / "dog.png")).confidence
+    assert dog is None or dog.verdict is not Verdict.RELIABLE
+    for name, problem in (("float16.dng", "zeros alone"), ("err_not_utf8.exr", "not an image")):
+        with pytest.raises(PhotoError, match=problem):
+            read_photo(cases / name)
+    assert calibrate(read_photo(cases / "pix16.jxl")).outcome is Outcome.ALREADY_LINEAR
+    assert calibrate(read_photo(cases / "pq_cicp.png")).outcome is Outcome.NAMED
+    assert read_photo(cases / "uhdr_bright_orient6.jpg").gain_map is not None
