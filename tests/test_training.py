@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import cv2
@@ -22,6 +23,7 @@ from facecrf_ocio.training.parts import Examples, read_parts, write_part
 from facecrf_ocio.training.plan import Data, held_out_names, left_out
 from facecrf_ocio.training.process import Response, demosaiced, photograph, through_jpeg
 from facecrf_ocio.training.simulate import simulate
+from facecrf_ocio.training.weights import pack, with_band
 
 GRID = np.linspace(0.0, 1.0, 1024)
 NOTHING = Denoiser("none", 0.0, 1.0, 0.0)
@@ -245,3 +247,16 @@ def test_what_is_fitted_can_be_loaded_and_asked(head, around, source, tmp_path):
     assert set(messages) == {*by_cue, COMBINED}
     assert all((message.precision > 0.0).all() for message in messages.values())
     assert model.networks.stretch(by_cue) >= 1.0
+
+
+def test_the_band_of_packed_weights_can_be_set(tmp_path):
+    for name in ("a", "b"):
+        np.savez(tmp_path / f"{name}.npz", band_scale=1.0, made_by="{}", prior_mean=np.arange(3.0))
+    pack(tmp_path / "all.npz", {name: tmp_path / f"{name}.npz" for name in ("a", "b")})
+    with_band(tmp_path / "all.npz", 1.3, "by a test")
+    with np.load(tmp_path / "all.npz") as stored:
+        assert set(stored.files) == {
+            f"{n}/{k}" for n in ("a", "b") for k in ("band_scale", "made_by", "prior_mean")
+        }
+        assert float(stored["b/band_scale"]) == 1.3
+        assert json.loads(str(stored["a/made_by"])) == {"band_measured": "by a test"}

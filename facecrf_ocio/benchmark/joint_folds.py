@@ -49,12 +49,12 @@ def joint_model(responses: Responses, fold: int | None) -> JointModel:
             f"{responses.path}: joint was trained with these responses, and the weights without "
             "them come with a checkout of the project, not with the package; use --protocol paper"
         )
-    return _held_out(family if family == "stacks" else f"{family}{fold}")
+    return held_out_joint(HELD_OUT, family if family == "stacks" else f"{family}{fold}")
 
 
 @cache
-def _held_out(name: str) -> JointModel:
+def held_out_joint(path: Path, name: str) -> JointModel:
     """One of the models that `training.weights.pack` put into one file."""
-    with np.load(HELD_OUT, allow_pickle=False) as stored:
+    with np.load(path, allow_pickle=False) as stored:
         mine = [key for key in stored.files if key.startswith(f"{name}/")]
         return joint_of({key.removeprefix(f"{name}/"): stored[key] for key in mine})

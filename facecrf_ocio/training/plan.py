@@ -55,6 +55,14 @@ class Data:
         """Rendered heads to train with; those named `dev_*` are for validation."""
         return sorted((self.root / "faces" / "rendered" / "img").glob("train_*_noisy.exr"))
 
+    def development_heads(self) -> list[Path]:
+        """Rendered heads that weights never see."""
+        return sorted((self.root / "faces" / "rendered" / "img").glob("dev_*_clean.exr"))
+
+    def validation_scenes(self) -> list[Path]:
+        """Real linear pictures that are in no photo of the training."""
+        return sorted((self.root / "scenes").glob("*.png"))[:_VALIDATION_SCENES]
+
     def scenes(self) -> list[Path]:
         """Real linear pictures around them."""
         return sorted((self.root / "scenes").glob("*.png"))[_VALIDATION_SCENES:]

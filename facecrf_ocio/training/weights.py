@@ -73,12 +73,15 @@ def pack(path: Path, made: Mapping[str, Path]) -> None:
 
 
 def with_band(path: Path, band_scale: float, measured: str) -> None:
-    """Set the band's scale in a file of weights, and which command it was measured with."""
+    """Set the band's scale in a file of weights, packed or not, and what it was measured with."""
     with np.load(path, allow_pickle=False) as stored:
         arrays: dict[str, Any] = {name: stored[name] for name in stored.files}
-    made_by = json.loads(str(arrays["made_by"]) or "{}") | {"band_measured": measured}
-    arrays["band_scale"] = np.array(band_scale)
-    arrays["made_by"] = np.array(json.dumps(made_by, sort_keys=True))
+    for name, value in arrays.items():
+        if name.rpartition("/")[2] == "band_scale":
+            arrays[name] = np.array(band_scale)
+        elif name.rpartition("/")[2] == "made_by":
+            made_by = json.loads(str(value) or "{}") | {"band_measured": measured}
+            arrays[name] = np.array(json.dumps(made_by, sort_keys=True))
     np.savez_compressed(path, **arrays)
 
 
