@@ -92,6 +92,25 @@ def test_whatever_a_library_raises_is_that_photos_reason(batch, tmp_path, monkey
     assert line.startswith(f"facecrf: a.png: failed: unexpected {type(error).__name__}")
 
 
+def test_whatever_a_library_raises_costs_calibrate_that_photo_alone(
+    facecrf, source, tmp_path, monkeypatch
+):
+    def read(path):
+        if path.name == "a.png":
+            raise RuntimeError("decoder \udce9 broke")
+        return read_photo(path)
+
+    monkeypatch.setattr("facecrf_ocio.read_photo", read, raising=False)
+    photos = (source / "a.png", source / "sub" / "b.png")
+    out = tmp_path / "out"
+    ended = facecrf("calibrate", *photos, "-o", out, "--estimator", "mean", "--formats", "spi1d")
+    assert ended.code == 3
+    assert ended.err == (
+        f"facecrf: {photos[0]}: unexpected RuntimeError: decoder é broke; please report this\n"
+    )
+    assert (out / "b.spi1d").is_file()
+
+
 # --- Outputs that are lost come back.
 
 

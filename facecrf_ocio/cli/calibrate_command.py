@@ -82,10 +82,13 @@ class _Calibration:
         try:
             with status(message):
                 photo, estimate, written = self._calibrate(path)
-        except (FaceCRFError, MemoryError) as error:
-            code = complain(problem_of(error), exit_code_of(error))
+        except Exception as error:  # whatever a library raises costs this photo, not the others
+            named = problem_of(error)
+            foreseen = isinstance(error, FaceCRFError | MemoryError)
+            named = named if foreseen else f"{path}: {named}"
+            code = complain(named, exit_code_of(error) if foreseen else UNREADABLE)
             if self.as_json:
-                tell_json(path, code, outcome="error", reason=problem_of(error))
+                tell_json(path, code, outcome="error", reason=named)
             return code
         options = {"as_json": self.as_json, "verbose": self.choices.verbose}
         return tell(path, estimate, written, notes=photo.notes, **options)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from facecrf_ocio.errors import FaceCRFError, LutError, OutputError, PhotoError, SettingsError
+from facecrf_ocio.files.plain_text import plain_text
 
 if TYPE_CHECKING:
     from facecrf_ocio.values import Estimate
@@ -33,6 +34,9 @@ _CODES = {
     SettingsError: USAGE,
 }
 
+# Click's own ways out, and a reader of stdout that went away, which Click handles.
+PASSED_ON = (click.ClickException, click.exceptions.Exit, click.Abort, BrokenPipeError)
+
 Command = Callable[..., int]
 
 
@@ -43,21 +47,32 @@ def ending_well(command: Command) -> Command:
     def run(*args: Any, **kwargs: Any) -> int:
         try:
             code = command(*args, **kwargs)
-        except (FaceCRFError, MemoryError) as error:
+        except PASSED_ON:
+            raise
+        except Exception as error:  # the last net: one line for whatever a library raises
             code = complain(problem_of(error), exit_code_of(error))
         sys.exit(code)
 
     return run
 
 
-def exit_code_of(error: FaceCRFError | MemoryError) -> int:
+def exit_code_of(error: Exception) -> int:
     """Return the exit code an error stands for."""
     return next((code for kind, code in _CODES.items() if isinstance(error, kind)), FAILED)
 
 
-def problem_of(error: FaceCRFError | MemoryError) -> str:
-    """Return what an error says."""
-    return str(error) if isinstance(error, FaceCRFError) else "not enough memory; use smaller files"
+def problem_of(error: Exception) -> str:
+    """Return what an error says, and of one that nobody foresaw, what it is.
+
+    With FACECRF_DEBUG in the environment that one is raised again, for whoever looks for its place.
+    """
+    if isinstance(error, FaceCRFError):
+        return str(error)
+    if isinstance(error, MemoryError):
+        return "not enough memory; use smaller files"
+    if os.environ.get("FACECRF_DEBUG"):
+        raise error
+    return f"unexpected {type(error).__name__}: {plain_text(error)}; please report this"
 
 
 def complain(message: str, code: int) -> int:
