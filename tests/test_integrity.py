@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tracemalloc
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,17 @@ class TestBadInput:
         assert "; " in text
         assert "\n" not in text
         return text
+
+    def test_png_chunk_that_claims_gigabytes(self, tmp_path: Path) -> None:
+        path = tmp_path / "a.png"
+        Image.fromarray(random_codes()).save(path)
+        content = bytearray(path.read_bytes())
+        content[8 + 25 : 8 + 29] = b"\x7f\xff\xff\xff"  # the length of what follows IHDR
+        path.write_bytes(content)
+        tracemalloc.start()
+        assert "cut short" in self.complaint(path)
+        assert tracemalloc.get_traced_memory()[1] < 10_000_000
+        tracemalloc.stop()
 
     def test_missing(self, tmp_path: Path) -> None:
         assert "does not exist" in self.complaint(tmp_path / "a.jpg")

@@ -100,11 +100,12 @@ def _check_claims(path: Path, file: BinaryIO) -> None:
 
 def _check_png(path: Path, file: BinaryIO) -> None:
     """Check that every chunk up to the last is whole (PNG, third edition, sec. 5.3)."""
-    kind = b""
+    kind, size = b"", path.stat().st_size
     while kind != b"IEND":
         header = file.read(8)
         length, kind = int.from_bytes(header[:4], "big"), header[4:]
-        data = file.read(length + 4)
+        # A length that is a lie must not cost its memory.
+        data = file.read(min(length + 4, size))
         if len(header) < 8 or len(data) < length + 4:
             raise PhotoError(path, "is cut short (the PNG ends early)", COPY_AGAIN)
         checksum = int.from_bytes(data[-4:], "big")

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import corpus
-
 from facecrf_ocio.archive.cameras.shot import read_shot
+
 from facecrf_ocio.archive.check_outputs import verify
 from facecrf_ocio.archive.manifest.database import FILE, Manifest
 from facecrf_ocio.archive.report.contents import gather
