@@ -1,15 +1,21 @@
-"""What arrays and numbers from outside must be before they become a photo."""
+"""Arrays that no one can change, and what those from outside must be to become a photo."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import copyreg
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.errors import PhotoError
+
+Float = npt.NDArray[np.floating[Any]]
+Bool = npt.NDArray[np.bool_]
+Index = npt.NDArray[np.intp]
 
 MOST_BITS = 32
 """[bit] No integer file has wider code values, and float32 could not tell theirs apart."""
@@ -20,6 +26,27 @@ LARGEST_XY = 2.0
 """[CIE xy] of primaries; the widest in use, of cameras, stay below 1.6."""
 SMALLEST_TRIANGLE = 1e-3
 """[CIE xy squared] Twice the area between primaries; that of Rec.709 is 0.22."""
+
+
+def frozen(array: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
+    """Return a read-only array of the given type, copied if the caller could still write to it.
+
+    An array that is read-only already is taken as it is: that hands it over.
+    """
+    result = np.asarray(array, dtype=dtype)
+    if result.flags.writeable:
+        result = result.copy() if isinstance(array, np.ndarray) else result
+        result.flags.writeable = False
+    return result
+
+
+def read_only(items: Mapping[str, float]) -> MappingProxyType[str, float]:
+    """Return a copy that no one can write to."""
+    return MappingProxyType(dict(items))
+
+
+# An estimate goes from process to process, and pickle does not know read-only views by itself.
+copyreg.pickle(MappingProxyType, lambda view: (read_only, (dict(view),)))
 
 
 def checked_pixels(

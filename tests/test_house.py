@@ -24,7 +24,7 @@ MEDIAN_FUNCTION = 8
 LONG_FILES = {
     *("archive/manifest/database.py", "archive/run.py", "archive/work/dask_cluster.py"),
     *("cli/bench_command.py", "image/lookup.py", "joint/noise_counts.py", "record/sidecar.py"),
-    *("training/fit.py", "values.py"),
+    *("training/fit.py"),
 }
 
 # Rooms that still have numbers without a reason beside them; shrinks only.

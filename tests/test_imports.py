@@ -19,6 +19,7 @@ PACKAGE = Path(facecrf_ocio.__file__).parent
 LAYERS = (
     ("errors", "estimators"),
     ("checks",),
+    ("estimates",),
     ("values", "settings"),
     ("files", "color"),
     ("response", "photo"),
