@@ -28,8 +28,8 @@ LAYERS = (
     ("joint", "pair"),
     ("calibrate", "together"),
     ("image", "record", "synthetic"),
-    ("ocio_config", "plots"),
-    ("archive", "benchmark"),
+    ("ocio_config", "plots", "cameras"),
+    ("archive", "benchmark", "clip"),
     ("training",),
     ("cli",),
 )
@@ -127,7 +127,7 @@ def test_no_two_units_import_each_other():
     ("library", "units"),
     [
         ("PyOpenColorIO", {"lut", "image", "ocio_config", "benchmark"}),
-        ("OpenImageIO", {"photo", "image", "benchmark", "training"}),
+        ("OpenImageIO", {"photo", "image", "benchmark", "training", "clip"}),
         ("rawpy", {"photo"}),
         ("matplotlib", {"plots", "benchmark", "cli"}),
         ("sklearn", set()),

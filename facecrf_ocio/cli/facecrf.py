@@ -15,6 +15,8 @@ from facecrf_ocio.cli.batch_command import batch
 from facecrf_ocio.cli.bench_command import bench
 from facecrf_ocio.cli.bracket_command import bracket
 from facecrf_ocio.cli.calibrate_command import calibrate
+from facecrf_ocio.cli.cameras_command import cameras
+from facecrf_ocio.cli.clip_command import clip
 from facecrf_ocio.cli.doctor_command import doctor
 from facecrf_ocio.cli.explain_command import explain
 from facecrf_ocio.cli.lint_command import lint
@@ -59,6 +61,8 @@ main.add_command(bench)
 main.add_command(pair)
 main.add_command(bracket)
 main.add_command(merge)
+main.add_command(clip)
+main.add_command(cameras)
 main.add_command(ocio_config)
 main.add_command(lint)
 main.add_command(batch)

@@ -1,0 +1,184 @@
+"""One measured response: whose it is, how it was measured, and how sure it is."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from facecrf_ocio.errors import FaceCRFError, LutError, OutputError
+from facecrf_ocio.files.atomic import Draft, write_files
+from facecrf_ocio.record.sidecar import Sidecar
+from facecrf_ocio.response.model import inverse_crf
+from facecrf_ocio.values import Confidence, Float, InverseCRF
+
+POINTS = 256
+"""Code values at which a registry keeps a curve."""
+MEASURED = ("pair", "bracket", "chart")
+"""Estimators that measure; what others found in a photo is no measurement of a camera."""
+FORMAT = "facecrf cameras 1"
+
+
+@dataclass(frozen=True, slots=True)
+class KnownCamera:
+    """A camera's measured response.
+
+    Attributes
+    ----------
+    make, model, style
+        As EXIF names them; style is empty where it is not known.
+    method
+        `pair`, `bracket` or `chart`.
+    grade
+        A (several sets agree), B, or C (one set, or an edited one).
+    spread_stops
+        Standard deviation of green over codes 32 to 235, in stops.
+    proof
+        What it was measured from: names and hashes of files, or the public sets of photos.
+    linear
+        (3, POINTS) linear light at uniform code values.
+    """
+
+    make: str
+    model: str
+    style: str
+    method: str
+    grade: str
+    spread_stops: float
+    proof: str
+    linear: tuple[tuple[float, ...], ...]
+
+    @property
+    def curve(self) -> InverseCRF:
+        """The response, at 4096 code values."""
+        return inverse_crf(np.linspace(0.0, 1.0, POINTS), np.array(self.linear))
+
+    @property
+    def key(self) -> tuple[str, ...]:
+        """What makes two measurements the same one."""
+        return (self.make, self.model, self.style, self.method, self.proof)
+
+
+@cache
+def shipped_cameras() -> tuple[KnownCamera, ...]:
+    """Those that ship: solved from public exposure stacks by `cameras.fit_known`."""
+    path = Path(str(files("facecrf_ocio.cameras") / "known.json"))
+    return _parsed(path, path.read_text(encoding="utf-8"))
+
+
+def read_registry(path: Path) -> tuple[KnownCamera, ...]:
+    """Read a registry; one that does not exist is empty.
+
+    Raises
+    ------
+    LutError
+        If it is no registry.
+    """
+    try:
+        return _parsed(path, path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return ()
+    except OSError as error:
+        raise LutError(
+            f"{path}: cannot be read ({error.strerror}); check its permissions"
+        ) from None
+
+
+def write_registry(path: Path, cameras: Iterable[KnownCamera], *, overwrite: bool) -> None:
+    """Write a registry, whole or not at all, its entries in order."""
+    entries = [asdict(one) for one in sorted(cameras, key=lambda one: one.key)]
+    lines = ",\n".join(json.dumps(entry) for entry in entries)
+    text = f'{{"format": "{FORMAT}", "cameras": [\n{lines}\n]}}\n'
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{path.parent}: the folder cannot be made ({error.strerror})") from error
+
+    def check(written: Path) -> None:
+        _parsed(path, written.read_text(encoding="utf-8"))
+
+    write_files([Draft(path, text.encode(), check)], overwrite=overwrite)
+
+
+def joined(one: Iterable[KnownCamera], other: Iterable[KnownCamera]) -> tuple[KnownCamera, ...]:
+    """Entries of both; of the same measurement the other's."""
+    return tuple({camera.key: camera for camera in (*one, *other)}.values())
+
+
+def from_record(path: Path, record: Sidecar) -> KnownCamera:
+    """The measurement that a record holds.
+
+    Raises
+    ------
+    LutError
+        If it was not measured, has no curve, or does not name its camera.
+    """
+    estimate = record.estimate
+    if estimate.estimator not in MEASURED or estimate.found is None:
+        raise LutError(
+            f"{path}: holds an estimate by {estimate.estimator!r}, and no measurement; add records "
+            "of facecrf pair, bracket or chart"
+        )
+    camera = record.source.camera
+    if not camera.model:
+        raise LutError(f"{path}: does not name its camera; use photos with EXIF")
+    at = np.linspace(0.0, 1.0, POINTS)
+    rows = tuple(
+        tuple(float(f"{v:.6g}") for v in np.interp(at, estimate.curve.encoded, row))
+        for row in estimate.curve.linear
+    )
+    told = estimate.confidence
+    grade = "B" if told is not None and told.verdict.value == "reliable" else "C"
+    proof = f"{record.source.name} sha256 {record.source.sha256}: {estimate.reason}"
+    spread = 0.1 if told is None else spread_stops(estimate.curve, told)
+    return KnownCamera(
+        camera.make, camera.model, "", estimate.estimator, grade, spread, proof, rows
+    )
+
+
+def spread_stops(curve: InverseCRF, told: Confidence) -> float:
+    """[stop] of green, over codes 32 to 235."""
+    inside = (curve.encoded >= 32 / 255) & (curve.encoded <= 235 / 255)
+    relative: Float = told.sigma[1, inside] / np.maximum(curve.linear[1, inside], 1e-6)
+    return float(f"{np.sqrt((relative**2).mean()) / np.log(2.0):.3g}")
+
+
+def matching(cameras: Iterable[KnownCamera], make: str, model: str) -> tuple[KnownCamera, ...]:
+    """Those of this make and model, the surest first. Makes are compared by their first word."""
+
+    def name(text: str) -> str:
+        return text.strip().casefold()
+
+    def first(text: str) -> str:
+        return (name(text).split() or [""])[0]
+
+    found = [
+        one
+        for one in cameras
+        if name(one.model) == name(model) and (first(one.make) == first(make) or not make)
+    ]
+    return tuple(sorted(found, key=lambda one: (one.grade, one.spread_stops)))
+
+
+def _parsed(path: Path, text: str) -> tuple[KnownCamera, ...]:
+    try:
+        stored: Any = json.loads(text)
+        if stored["format"] != FORMAT:
+            raise ValueError("another format")
+        cameras = tuple(
+            KnownCamera(**{**one, "linear": tuple(map(tuple, one["linear"]))})
+            for one in stored["cameras"]
+        )
+        for camera in cameras:
+            _ = camera.curve
+    except (ValueError, KeyError, TypeError, FaceCRFError):
+        raise LutError(
+            f"{path}: is no registry of cameras; give a file of facecrf cameras export"
+        ) from None
+    return cameras

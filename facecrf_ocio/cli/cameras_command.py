@@ -1,0 +1,109 @@
+"""`facecrf cameras`: responses that were measured, and those that users add."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import click
+
+from facecrf_ocio.cli.options import TEXT_PATH
+from facecrf_ocio.cli.terminal import DONE, NOTHING, complain, ending_well, one_line
+
+
+def registry_path() -> Path:
+    """The user's registry; FACECRF_CAMERAS names another."""
+    named = os.environ.get("FACECRF_CAMERAS")
+    return Path(named) if named else Path(click.get_app_dir("facecrf")) / "cameras.json"
+
+
+@click.group(invoke_without_command=True)
+@click.pass_context
+def cameras(context: click.Context) -> None:
+    """List cameras whose response was measured; add, export and merge your own."""
+    if context.invoked_subcommand is None:
+        context.invoke(list_cameras)
+
+
+@cameras.command("list")
+@click.argument("name", default="")
+@ending_well
+def list_cameras(name: str) -> int:
+    """List those whose make or model has NAME in it: grade, spread in stops, method, proof."""
+    from facecrf_ocio.cameras.known_cameras import read_registry, shipped_cameras
+
+    own = read_registry(registry_path())
+    found = [
+        (one, origin)
+        for group, origin in ((shipped_cameras(), "ships"), (own, "yours"))
+        for one in sorted(group, key=lambda camera: camera.key)
+        if name.casefold() in f"{one.make} {one.model}".casefold()
+    ]
+    if not found:
+        return complain(
+            f"no camera named {name!r} was measured; facecrf cameras lists all", NOTHING
+        )
+    for one, origin in found:
+        click.echo(
+            one_line(
+                f"{one.make:<12} {one.model:<28} {one.grade}  {one.spread_stops:.2f} stops  "
+                f"{one.method:<8} {origin}  {one.proof[:60]}"
+            )
+        )
+    return DONE
+
+
+@cameras.command()
+@click.argument("records", nargs=-1, required=True, type=TEXT_PATH, metavar="RECORD...")
+@ending_well
+def add(records: tuple[Path, ...]) -> int:
+    """Add what facecrf pair, bracket or chart have measured (NAME.crf.json)."""
+    from facecrf_ocio.cameras.known_cameras import (
+        from_record,
+        joined,
+        read_registry,
+        write_registry,
+    )
+    from facecrf_ocio.record.sidecar import read_sidecar
+
+    new = [from_record(path, read_sidecar(path)) for path in records]
+    target = registry_path()
+    write_registry(target, joined(read_registry(target), new), overwrite=True)
+    for one in new:
+        click.echo(one_line(f"{one.make} {one.model}: added to {target}"))
+    return DONE
+
+
+@cameras.command()
+@click.argument("target", type=TEXT_PATH, metavar="FILE")
+@click.option("--overwrite", is_flag=True, help="Replace an existing file.")
+@ending_well
+def export(target: Path, overwrite: bool) -> int:
+    """Write your registry to FILE, for others to merge."""
+    from facecrf_ocio.cameras.known_cameras import read_registry, write_registry
+
+    own = read_registry(registry_path())
+    if not own:
+        return complain("your registry is empty; add records first", NOTHING)
+    write_registry(target, own, overwrite=overwrite)
+    click.echo(one_line(f"{target}: {len(own)} cameras"))
+    return DONE
+
+
+@cameras.command("merge")
+@click.argument("sources", nargs=-1, required=True, type=TEXT_PATH, metavar="FILE...")
+@ending_well
+def merge_registries(sources: tuple[Path, ...]) -> int:
+    """Take the cameras of exported FILEs into your registry; of the same measurement, theirs."""
+    from facecrf_ocio.cameras.known_cameras import joined, read_registry, write_registry
+    from facecrf_ocio.errors import LutError
+
+    target = registry_path()
+    own = read_registry(target)
+    for source in sources:
+        if not source.exists():
+            raise LutError(f"{source}: does not exist; check the name")
+        own = joined(own, read_registry(source))
+    write_registry(target, own, overwrite=True)
+    click.echo(one_line(f"{target}: {len(own)} cameras"))
+    return DONE

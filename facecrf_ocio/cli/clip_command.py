@@ -1,0 +1,120 @@
+"""`facecrf clip`: a sequence or video in, the LUTs of its one curve out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from facecrf_ocio.cli.calibrate_command import formats_option
+from facecrf_ocio.cli.options import TEXT_PATH, Choices, direction_options, estimation_options
+from facecrf_ocio.cli.terminal import (
+    USAGE,
+    complain,
+    ending_well,
+    one_line,
+    require_writable,
+    status,
+    tell,
+)
+from facecrf_ocio.errors import LutError
+
+if TYPE_CHECKING:
+    from facecrf_ocio.clip.calibrate_clip import ClipEstimate
+    from facecrf_ocio.clip.frame_list import Clip
+
+
+@click.command()
+@click.argument("source", type=TEXT_PATH, metavar="CLIP")
+@click.option(
+    "-o", "--output", required=True, type=TEXT_PATH, metavar="DIR", help="Where to write."
+)
+@formats_option
+@direction_options
+@click.option("--frames", type=click.IntRange(1, 100), default=12, show_default=True)
+@click.option("--exr", is_flag=True, help="Also write every frame as a scene-linear EXR.")
+@estimation_options
+@ending_well
+def clip(
+    source: Path,
+    output: Path,
+    formats: tuple[str, ...],
+    direction: str,
+    space: str | None,
+    frames: int,
+    exr: bool,
+    **choices: Any,
+) -> int:
+    """Estimate the one curve of CLIP: frame.%04d.jpg, frame.####.png, a folder or a video file.
+
+    Frames are chosen over time where a face is large and sharp. PQ, HLG and linear that a stream
+    names are used and not estimated. A run with --exr that was broken off goes on when repeated.
+    """
+    from dataclasses import replace
+
+    from facecrf_ocio.clip.calibrate_clip import calibrate_clip
+    from facecrf_ocio.clip.clip_source import open_clip
+    from facecrf_ocio.lut.write import endings
+    from facecrf_ocio.record.demand import Demand, demand
+    from facecrf_ocio.record.outputs import write_outputs
+
+    chosen = Choices(**choices)
+    try:
+        formats = endings(formats, direction, space or "")
+    except LutError as error:
+        return complain(str(error), USAGE)
+    require_writable(output)
+    with status(f"calibrating {source}"):
+        opened = open_clip(source)
+        found = calibrate_clip(opened, frames=frames, prior=chosen.prior, settings=chosen.settings)
+        estimate = demand(found.estimate, Demand(chosen.min_confidence, chosen.max_error))
+        if estimate.found is None:
+            return tell(source, estimate, ())
+        first = next(opened.read([found.frames[0] if found.frames else 0]))
+        named = replace(first, path=opened.path)
+        written = write_outputs(
+            named, estimate, chosen.settings, output, formats,
+            overwrite=chosen.overwrite or exr, stem=opened.stem,
+        )  # fmt: skip
+        for number, shot in enumerate(found.shots, start=1):
+            if shot.estimate is not None:
+                written += write_outputs(
+                    named, shot.estimate, chosen.settings, output, formats,
+                    overwrite=chosen.overwrite or exr, stem=f"{opened.stem}.shot{number}",
+                )  # fmt: skip
+    code = tell(source, estimate, written, notes=_notes(opened, found), verbose=chosen.verbose)
+    if exr:
+        _write_frames(opened, found, output, overwrite=chosen.overwrite)
+    return code
+
+
+def _notes(opened: Clip, found: ClipEstimate) -> tuple[str, ...]:
+    notes = list(opened.notes)
+    if found.frames:
+        numbers = ", ".join(str(index + 1) for index in found.frames)
+        notes.append(f"frames {numbers} of {len(opened.times)}")
+        notes.append(f"the face's light varies by {found.exposure_stops:.1f} stops")
+        drifts = "drifts" if found.drifts else "does not drift"
+        notes.append(
+            f"the curve {drifts}: first and last third lie {found.drift:.3f} apart "
+            f"(standard error {found.drift_error:.3f})"
+        )
+    for number, shot in enumerate(found.shots, start=1):
+        if shot.estimate is not None:
+            notes.append(
+                f"shot {number} (from frame {shot.frames[0] + 1}) has a curve of its own, "
+                f"{shot.misfit:.1f} standard deviations from the clip's"
+            )
+    return tuple(notes)
+
+
+def _write_frames(opened: Clip, found: ClipEstimate, output: Path, *, overwrite: bool) -> None:
+    from facecrf_ocio.clip.exr_sequence import write_sequence
+
+    folder, kept, count = output / f"{opened.stem}.exr", 0, 0
+    with status(f"writing {len(opened.times)} frames"):
+        for _, there in write_sequence(opened, found.estimate, folder, overwrite=overwrite):
+            kept, count = kept + there, count + 1
+    was = f", {kept} of them there already" if kept else ""
+    click.echo(one_line(f"  {folder}: {count} frames{was}"))

@@ -1,0 +1,1 @@
+"""One curve of a clip: frames chosen over time, evidence pooled, drift told."""

@@ -1,0 +1,102 @@
+"""What a clip is: frames with times, from a numbered sequence, a folder or a video file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from facecrf_ocio.clip.frame_list import Clip
+from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.photo.read import read_photo
+from facecrf_ocio.values import Photo
+
+DEFAULT_RATE = 24.0  # [1/s] of a sequence, which does not tell
+_IMAGES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".dpx", ".webp", ".bmp", ".exr")
+_VIDEOS = (".mp4", ".mov", ".m4v", ".mkv", ".avi", ".mxf", ".webm", ".mts", ".m2ts", ".mpg", ".ts")
+_PATTERN = re.compile(r"%0?(\d*)d|#+")
+_NUMBER = re.compile(r"(\d+)(?=\D*$)")
+
+
+def open_clip(given: Path) -> Clip:
+    """Find the frames of a clip.
+
+    Parameters
+    ----------
+    given
+        A video file, a folder of images, or a pattern such as `frame.%04d.jpg`, `frame.####.png`.
+
+    Raises
+    ------
+    PhotoError
+        If there is no such thing, or fewer than two frames.
+    """
+    if given.is_file() and given.suffix.lower() in _VIDEOS:
+        from facecrf_ocio.clip.video import open_video  # noqa: PLC0415 -- an extra
+
+        clip = open_video(given)
+    elif given.is_dir():
+        clip = _sequence(given, sorted(_images(given), key=_order), given.name)
+    elif _PATTERN.search(given.name):
+        clip = _sequence(given, _matching(given), _PATTERN.sub("", given.name).split(".")[0])
+    elif given.exists():
+        raise PhotoError(
+            given,
+            "is one picture, and no clip",
+            "give a pattern such as frame.%04d.jpg, a folder "
+            "or a video file; for one photo use facecrf calibrate",
+        )
+    else:
+        raise PhotoError(given, "does not exist", "check the name")
+    if len(clip.times) < 2:
+        raise PhotoError(
+            given, f"has {len(clip.times)} frame(s), and is no clip", "use facecrf calibrate"
+        )
+    return clip
+
+
+def _images(folder: Path) -> list[Path]:
+    return [p for p in folder.iterdir() if p.suffix.lower() in _IMAGES and p.is_file()]
+
+
+def _matching(given: Path) -> list[Path]:
+    """Files whose names have a number where the pattern has its place, in the number's order."""
+    found = _PATTERN.search(given.name)
+    if found is None or not given.parent.is_dir():
+        return []
+    digits = len(found[0]) if found[0].startswith("#") else int(found[1] or 1)
+    before, after = given.name[: found.start()], given.name[found.end() :]
+    one = re.compile(re.escape(before) + rf"(\d{{{digits},}})" + re.escape(after))
+    numbered = [(int(m[1]), p) for p in given.parent.iterdir() if (m := one.fullmatch(p.name))]
+    return [path for _, path in sorted(numbered)]
+
+
+def _order(path: Path) -> tuple[str, int, str]:
+    found = _NUMBER.search(path.stem)
+    number = int(found[1]) if found else -1
+    return (path.stem[: found.start()] if found else path.stem, number, path.name)
+
+
+def _sequence(given: Path, paths: Sequence[Path], stem: str) -> Clip:
+    def read(indices: Sequence[int]) -> Iterator[Photo]:
+        size: tuple[int, ...] = ()
+        for index in indices:
+            photo = read_photo(paths[index])
+            if size not in ((), photo.encoded.shape):
+                raise PhotoError(
+                    photo.path,
+                    f"has {photo.encoded.shape[1]} x {photo.encoded.shape[0]} pixels, frames "
+                    f"before it {size[1]} x {size[0]}",
+                    "give the frames of one clip",
+                )
+            size = photo.encoded.shape
+            yield photo
+
+    return Clip(
+        paths[0] if paths else given,
+        stem.strip("._- ") or "clip",
+        tuple(index / DEFAULT_RATE for index in range(len(paths))),
+        tuple(path.name for path in paths),
+        DEFAULT_RATE,
+        read,
+    )

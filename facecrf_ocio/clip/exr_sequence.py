@@ -1,0 +1,73 @@
+"""All frames of a clip through its curve, one EXR each, with time codes; what is there is kept."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from pathlib import Path
+
+import OpenImageIO as oiio  # noqa: N813
+
+from facecrf_ocio import __version__
+from facecrf_ocio.clip.frame_list import Clip
+from facecrf_ocio.image.apply import linear_rows, write_exr
+from facecrf_ocio.image.lookup import curve_lookup
+from facecrf_ocio.values import Estimate
+
+_READ_AT_ONCE = 64  # frames between which a run that was broken off loses nothing
+
+
+def write_sequence(
+    clip: Clip, estimate: Estimate, folder: Path, *, overwrite: bool = False
+) -> Iterator[tuple[Path, bool]]:
+    """Write STEM.NNNN.exr for every frame; yields each with whether it was there already.
+
+    A frame is there if its EXR names the same curve and the same frame.
+    """
+    digest = hashlib.sha256(estimate.curve.linear.tobytes()).hexdigest()[:16]
+    targets = [folder / f"{clip.stem}.{n + 1:04d}.exr" for n in range(len(clip.times))]
+    folder.mkdir(parents=True, exist_ok=True)
+    wanted = []
+    for index, target in enumerate(targets):
+        if _is_there(target, digest, clip.names[index]):
+            yield target, True
+        else:
+            wanted.append(index)
+    lookup = curve_lookup(estimate.curve)
+    for begin in range(0, len(wanted), _READ_AT_ONCE):
+        part = wanted[begin : begin + _READ_AT_ONCE]
+        for index, photo in zip(part, clip.read(part), strict=True):
+            provenance = {
+                "outcome": str(estimate.outcome),
+                "estimator": estimate.estimator,
+                "version": __version__,
+                "curve": digest,
+                "frame": clip.names[index],
+                "timecode": timecode(clip.times[index], clip.rate),
+            }
+            rows = photo.encoded if photo.scene_linear else linear_rows(photo, lookup)
+            yield (
+                write_exr(targets[index], rows, photo, provenance=provenance, overwrite=overwrite),
+                False,
+            )
+
+
+def timecode(seconds: float, rate: float) -> str:
+    """HH:MM:SS:FF, without drop frames."""
+    whole = max(1, round(rate))
+    frame = round(seconds * rate)
+    second, rest = divmod(frame, whole)
+    return f"{second // 3600:02d}:{second // 60 % 60:02d}:{second % 60:02d}:{rest:02d}"
+
+
+def _is_there(path: Path, digest: str, frame: str) -> bool:
+    if not path.exists():
+        return False
+    source = oiio.ImageInput.open(str(path))
+    if source is None:
+        oiio.geterror()
+        return False
+    spec = source.spec()
+    source.close()
+    said = (spec.get_string_attribute("facecrf:curve"), spec.get_string_attribute("facecrf:frame"))
+    return said == (digest, frame)

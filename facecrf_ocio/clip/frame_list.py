@@ -1,0 +1,40 @@
+"""Frames in the order of time, and a way to read them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from facecrf_ocio.values import Photo
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Clip:
+    """Frames in the order of time.
+
+    Attributes
+    ----------
+    path
+        Of the video file, or of the first frame.
+    stem
+        What outputs are named after.
+    times
+        [s] of each frame, from 0.
+    names
+        Of each frame, for messages and for files written of it.
+    rate
+        [1/s] Frames a second.
+    read
+        Gives photos of the frames at these indices, in rising order.
+    notes
+        What there is to say of the file, in sentences.
+    """
+
+    path: Path
+    stem: str
+    times: tuple[float, ...]
+    names: tuple[str, ...]
+    rate: float
+    read: Callable[[Sequence[int]], Iterator[Photo]]
+    notes: tuple[str, ...] = ()

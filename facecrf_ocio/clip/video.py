@@ -1,0 +1,108 @@
+"""Video files by PyAV (the extra `video`): frames as RGB, range and matrix as the stream says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from facecrf_ocio.clip.frame_list import Clip
+from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.files.content import sha256_of
+from facecrf_ocio.values import Photo
+
+# ITU-T H.273, table 3: characteristics that say what the codes mean. Others (BT.709, sRGB) name
+# what a display is to do, and cameras do as they like.
+_NAMED = {16: "PQ", 18: "HLG"}
+_LINEAR = 8  # of the same table
+_UNEVEN = 1.5  # longest distance between frames over the shortest: a rate that varies
+_HD_ROWS = 720  # [px] from which streams that state no matrix mean BT.709's
+
+
+def open_video(path: Path) -> Clip:
+    """List the frames of a video's first stream of pictures.
+
+    Raises
+    ------
+    PhotoError
+        If PyAV is not installed, or the file is no video that it reads.
+    """
+    av = _pyav(path)
+    try:
+        with av.open(str(path)) as container:
+            stream = container.streams.video[0]
+            stamps = sorted(
+                packet.pts for packet in container.demux(stream) if packet.pts is not None
+            )
+            base = float(stream.time_base or 1.0)
+            rate = float(stream.average_rate or 24.0)
+    except (av.error.FFmpegError, IndexError, OSError) as error:
+        raise PhotoError(path, f"is no video that can be read ({error})", "convert it") from error
+    steps = np.diff(stamps) if len(stamps) > 1 else np.ones(1)
+    notes = []
+    if float(steps.max()) > _UNEVEN * max(float(steps.min()), 1e-9):
+        notes.append("its frame rate varies: frames are chosen and named by their own times")
+
+    def read(indices: Sequence[int]) -> Iterator[Photo]:
+        return _frames(path, [stamps[index] for index in indices])
+
+    return Clip(
+        path,
+        path.stem,
+        tuple((stamp - stamps[0]) * base for stamp in stamps),
+        tuple(f"{path.name} frame {index}" for index in range(len(stamps))),
+        rate,
+        read,
+        tuple(notes),
+    )
+
+
+def _pyav(path: Path) -> Any:
+    try:
+        import av  # noqa: PLC0415 -- an extra
+    except ImportError as error:
+        raise PhotoError(
+            path, "is a video, which PyAV reads", "install it: pip install 'facecrf-ocio[video]'"
+        ) from error
+    return av
+
+
+def _frames(path: Path, stamps: Sequence[int]) -> Iterator[Photo]:
+    """Photos of the frames with these time stamps; seeks where they lie far apart."""
+    av, sha256 = _pyav(path), sha256_of(path)
+    with av.open(str(path)) as container:
+        stream = container.streams.video[0]
+        stream.thread_type = "AUTO"
+        for stamp in stamps:
+            container.seek(stamp, stream=stream, backward=True)
+            frame = next((f for f in container.decode(stream) if (f.pts or 0) >= stamp), None)
+            if frame is None:
+                raise PhotoError(path, "is cut short", "copy it again")
+            yield _photo(frame, int(stream.codec_context.color_trc or 0), path, sha256)
+
+
+def _photo(frame: Any, transfer: int, path: Path, sha256: str) -> Photo:
+    """Code values as the camera meant them: a limited range is stretched to the full one."""
+    deep = max(component.bits for component in frame.format.components) > 8
+    kind = "rgb48le" if deep else "rgb24"
+    stated = {1: "ITU709", 5: "ITU601", 6: "ITU601", 9: "ITU709"}.get(int(frame.colorspace))
+    matrix = stated or ("ITU709" if frame.height >= _HD_ROWS else "ITU601")
+    full = int(frame.color_range) == 2
+    turned = frame.reformat(
+        format=kind,
+        src_colorspace=matrix,
+        src_color_range="JPEG" if full else "MPEG",
+        dst_color_range="JPEG",
+    )
+    codes = turned.to_ndarray()
+    encoded = codes.astype(np.float32) / np.float32(65535 if deep else 255)
+    return Photo(
+        encoded,
+        bit_depth=16 if deep else 8,
+        scene_linear=transfer == _LINEAR,
+        named_curve=_NAMED.get(transfer, ""),
+        path=path,
+        sha256=sha256,
+    )

@@ -1,0 +1,93 @@
+"""The registry of measured responses: what ships, what users add, and what is no measurement."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from command_line import CommandLine
+
+from facecrf_ocio.cameras.known_cameras import matching, read_registry, shipped_cameras
+from facecrf_ocio.record.outputs import write_outputs
+from facecrf_ocio.settings import Settings
+from facecrf_ocio.synthetic import gamma_curve
+from facecrf_ocio.values import Camera, Confidence, Estimate, Outcome, Photo, Verdict
+
+
+@pytest.fixture
+def registry(monkeypatch, tmp_path):
+    path = tmp_path / "data" / "cameras.json"
+    monkeypatch.setenv("FACECRF_CAMERAS", str(path))
+    return path
+
+
+def record(folder, estimator="bracket", model="One"):
+    curve = gamma_curve(2.2)
+    confidence = Confidence(
+        0.02 * curve.linear, np.ones_like(curve.linear), Verdict.RELIABLE, ("measured",)
+    )
+    estimate = Estimate(
+        Outcome.CALIBRATED, estimator, "by hand", found=curve, confidence=confidence
+    )
+    photo = Photo(
+        np.zeros((4, 4, 3), np.float32),
+        camera=Camera("Acme", model),
+        path=folder / "a.jpg",
+        sha256="0" * 64,
+    )
+    return write_outputs(photo, estimate, Settings(), folder, ("spi1d",))[-1]
+
+
+def test_those_that_ship_are_curves_with_proof():
+    assert len(shipped_cameras()) == 20
+    for one in shipped_cameras():
+        assert one.curve.linear.shape == (3, 4096)
+        assert one.grade in "ABC"
+        assert one.spread_stops >= 0.06
+        assert one.proof.startswith("exposure stacks ")
+
+
+def test_they_are_what_the_stacks_gave(development_data):
+    with np.load(development_data / "crf" / "modern_stacks.npz") as stored:
+        models = [str(name).removesuffix(" (exposure stacks)") for name in stored["names"]]
+        truth = dict(zip(models, stored["inverse"], strict=True))
+    for one in shipped_cameras():
+        at = np.interp(np.linspace(0, 1, 1024), one.curve.encoded, one.curve.linear[1])
+        assert np.abs(at - truth[one.model][1]).max() < 0.0035
+
+
+def test_a_camera_is_found_by_make_and_model():
+    found = matching(shipped_cameras(), "Canon Inc.", "canon eos 5d")
+    assert [one.model for one in found] == ["Canon EOS 5D"]
+    assert matching(shipped_cameras(), "Nikon", "Canon EOS 5D") == ()
+
+
+def test_a_measurement_is_added_listed_exported_and_merged(capfd, tmp_path, registry, monkeypatch):
+    run = CommandLine(capfd)
+    assert run("cameras", "add", record(tmp_path)).code == 0
+    ended = run("cameras", "list", "acme")
+    assert ended.out.startswith("Acme")
+    assert "yours" in ended.out
+    (one,) = read_registry(registry)
+    assert np.abs(one.curve.linear - gamma_curve(2.2).linear).max() < 1e-4
+    assert one.spread_stops == pytest.approx(0.029, abs=0.001)
+    assert run("cameras", "export", tmp_path / "mine.json").code == 0
+    monkeypatch.setenv("FACECRF_CAMERAS", str(tmp_path / "theirs.json"))
+    for _ in range(2):
+        assert "1 cameras" in run("cameras", "merge", tmp_path / "mine.json").out
+
+
+def test_an_estimate_is_no_measurement(capfd, tmp_path, registry):
+    ended = CommandLine(capfd)("cameras", "add", record(tmp_path, "joint"))
+    assert ended.code == 3
+    assert "and no measurement" in ended.err
+    assert not registry.exists()
+
+
+def test_what_is_no_registry_is_told(capfd, tmp_path, registry):
+    (tmp_path / "other.json").write_text(json.dumps({"format": "x"}))
+    ended = CommandLine(capfd)("cameras", "merge", tmp_path / "other.json")
+    assert ended.code == 3
+    assert "is no registry of cameras" in ended.err
+    assert CommandLine(capfd)("cameras", "list", "nothing such").code == 4

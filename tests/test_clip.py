@@ -1,0 +1,157 @@
+"""Clips: sequences and videos in, one curve out; ranges and named curves respected."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from archive_photos import linear_face, write_picture
+from command_line import CommandLine
+
+from facecrf_ocio.clip.calibrate_clip import _drift, calibrate_clip
+from facecrf_ocio.clip.clip_source import open_clip
+from facecrf_ocio.clip.exr_sequence import timecode
+from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.synthetic import encode, gamma_curve
+from facecrf_ocio.values import Outcome
+
+CURVE = gamma_curve(2.2)
+RAMP = np.tile(np.linspace(0, 1, 64, dtype=np.float32)[None, :, None], (48, 1, 3))
+
+
+def sequence(folder, count, name="frame.{:04d}.png", size=64):
+    for n in range(count):
+        write_picture(folder / name.format(n + 1), RAMP[:, :size], CURVE)
+    return folder
+
+
+def write_video(path, frames, *, full=False, trc=None, stamps=None, bits=20_000_000):
+    """H.264 by libx264 of (H, W, 3) code values, [0, 1]."""
+    av = pytest.importorskip("av")
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=24)
+        stream.width, stream.height = frames[0].shape[1], frames[0].shape[0]
+        stream.pix_fmt, stream.bit_rate = "yuv420p", bits
+        stream.codec_context.color_range = 2 if full else 1
+        stream.codec_context.colorspace = 1
+        if trc is not None:
+            stream.codec_context.color_trc = trc
+        for number, codes in enumerate(frames):
+            pixels = np.rint(codes * 255).astype(np.uint8)
+            frame = av.VideoFrame.from_ndarray(pixels, format="rgb24").reformat(
+                format="yuv420p",
+                dst_colorspace="ITU709",
+                src_color_range="JPEG",
+                dst_color_range="JPEG" if full else "MPEG",
+            )
+            frame.pts = number if stamps is None else stamps[number]
+            container.mux(stream.encode(frame))
+        container.mux(stream.encode(None))
+    return path
+
+
+class TestFrames:
+    @pytest.mark.parametrize("pattern", ["frame.%04d.png", "frame.####.png", ""])
+    def test_a_pattern_or_folder_is_a_clip_in_the_order_of_its_numbers(self, tmp_path, pattern):
+        sequence(tmp_path, 3)
+        write_picture(tmp_path / "frame.0010.png", RAMP, CURVE)
+        clip = open_clip(tmp_path / pattern if pattern else tmp_path)
+        assert clip.names == tuple(f"frame.{n:04d}.png" for n in (1, 2, 3, 10))
+        assert clip.rate == 24.0
+
+    def test_numbers_without_leading_zeros_are_numbers(self, tmp_path):
+        for n in (9, 10, 11):
+            write_picture(tmp_path / f"f{n}.png", RAMP, CURVE)
+        assert open_clip(tmp_path).names == ("f9.png", "f10.png", "f11.png")
+        assert open_clip(tmp_path / "f%d.png").names == ("f9.png", "f10.png", "f11.png")
+
+    @pytest.mark.parametrize("full", [True, False])
+    def test_both_ranges_of_a_video_give_the_same_codes(self, tmp_path, full):
+        path = write_video(tmp_path / "a.mp4", [RAMP] * 3, full=full)
+        (photo,) = open_clip(path).read([1])
+        assert np.abs(photo.encoded.mean(axis=0) - RAMP.mean(axis=0)).max() < 0.02
+
+    def test_a_frame_is_the_one_that_was_asked_for(self, tmp_path):
+        path = write_video(tmp_path / "a.mp4", [RAMP * (n / 40) for n in range(41)])
+        levels = [p.encoded.mean() for p in open_clip(path).read([3, 20, 37])]
+        assert levels == pytest.approx([0.5 * n / 40 for n in (3, 20, 37)], abs=0.01)
+
+
+@pytest.mark.parametrize(("trc", "name"), [(16, "PQ"), (18, "HLG")])
+def test_a_curve_that_the_stream_names_is_used(tmp_path, trc, name):
+    clip = open_clip(write_video(tmp_path / "a.mp4", [RAMP] * 3, trc=trc))
+    estimate = calibrate_clip(clip).estimate
+    assert estimate.outcome is Outcome.NAMED
+    assert name in estimate.reason
+
+
+def test_time_codes_count_frames():
+    assert timecode(0.0, 24.0) == "00:00:00:00"
+    assert timecode(3661.5, 24.0) == "01:01:01:12"
+    assert timecode(1.0, 29.97) == "00:00:01:00"
+
+
+def test_a_drift_of_three_hundredths_is_seen_through_the_frames_scatter():
+    codes, found = np.linspace(0, 1, 64), 0
+    for seed in range(10):
+        generator = np.random.default_rng(seed)
+        ends = np.linspace(2.05, 2.25, 12)  # 0.03 apart (RMSE) in the means of the outer thirds
+        curves = [codes**g for g in ends + generator.normal(0, 0.03, 12)]
+        apart, error = _drift(curves)
+        found += apart > max(0.01, 3.0 * error)
+        still, error = _drift([codes**g for g in 2.2 + generator.normal(0, 0.03, 12)])
+        assert still < max(0.01, 3.0 * error)
+    assert found >= 9
+
+
+class TestBadInput:
+    def told(self, given):
+        with pytest.raises(PhotoError) as caught:
+            open_clip(given)
+        return str(caught.value)
+
+    def test_one_frame(self, tmp_path):
+        sequence(tmp_path, 1)
+        assert "has 1 frame(s), and is no clip" in self.told(tmp_path)
+        assert "is one picture, and no clip" in self.told(tmp_path / "frame.0001.png")
+
+    def test_nothing(self, tmp_path):
+        assert "has 0 frame(s)" in self.told(tmp_path / "frame.####.jpg")
+        assert "does not exist" in self.told(tmp_path / "none.mp4")
+
+    def test_mixed_sizes(self, tmp_path):
+        sequence(tmp_path, 2)
+        write_picture(tmp_path / "frame.0003.png", RAMP[:, :50], CURVE)
+        with pytest.raises(PhotoError, match="has 50 x 48 pixels, frames before it 64 x 48"):
+            list(open_clip(tmp_path).read([0, 1, 2]))
+
+    def test_no_video(self, tmp_path):
+        pytest.importorskip("av")
+        (tmp_path / "a.mp4").write_bytes(b"nothing" * 100)
+        assert "is no video that can be read" in self.told(tmp_path / "a.mp4")
+
+    def test_a_rate_that_varies_is_told(self, tmp_path):
+        path = write_video(tmp_path / "a.mp4", [RAMP] * 5, stamps=(0, 1, 2, 8, 9))
+        assert "its frame rate varies" in open_clip(path).notes[0]
+
+    @pytest.mark.slow
+    def test_no_face_in_any_frame(self, capfd, tmp_path):
+        ended = CommandLine(capfd)("clip", sequence(tmp_path / "in", 3), "-o", tmp_path / "out")
+        assert ended.code == 4
+        assert "no frame that was looked at shows a face" in ended.err
+
+
+@pytest.mark.slow
+def test_a_compressed_clip_with_moving_exposure_gives_its_curve_and_frames(capfd, tmp_path):
+    frames = []
+    for n in range(12):
+        light = np.clip(linear_face(3) * np.float32(2.0 ** (-0.5 + n / 12)), 0, 1)
+        frames.append(encode(np.roll(light, n, axis=1), CURVE))
+    path = write_video(tmp_path / "take.mp4", frames, bits=10_000_000)
+    command = ("clip", path, "-o", tmp_path / "out", "--frames", "4", "--exr")
+    ended = CommandLine(capfd)(*command, "--formats", "spi1d")
+    assert ended.code == 0, ended.err
+    assert "12 frames" in ended.out
+    assert (tmp_path / "out" / "take.spi1d").exists()
+    (tmp_path / "out" / "take.exr" / "take.0005.exr").unlink()
+    again = CommandLine(capfd)(*command, "--formats", "spi1d")
+    assert "12 frames, 11 of them there already" in again.out
