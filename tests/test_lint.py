@@ -239,6 +239,7 @@ def whole_files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     return {**files, "a.icc": profile, "formula.icc": formula}
 
 
+@pytest.mark.slow  # what hangs OpenColorIO costs half a second each
 @settings(max_examples=100, deadline=None)
 @given(data=st.data())
 def test_no_damage_ends_in_anything_but_findings(
