@@ -47,7 +47,10 @@ _T = TypeVar("_T")
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """The photo a calibration was made from; `name` and `sha256` are None for one in memory."""
+    """The photo a calibration was made from; `name` and `sha256` are None for one in memory.
+
+    `gain_map` names the standard of the map that the file has, if any.
+    """
 
     name: str | None
     sha256: str | None
@@ -59,6 +62,9 @@ class Source:
     camera: Camera
     primaries: Primaries | None
     notes: tuple[str, ...] = ()
+    named_curve: str = ""
+    edits: tuple[str, ...] = ()
+    gain_map: str | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -190,6 +196,9 @@ def _source(photo: Photo) -> Source:
         camera=photo.camera,
         primaries=photo.primaries,
         notes=photo.notes,
+        named_curve=photo.named_curve,
+        edits=photo.edits,
+        gain_map=None if photo.gain_map is None else photo.gain_map.standard,
     )
 
 
@@ -297,9 +306,10 @@ def _read_source(record: dict[str, Any]) -> Source:
     if primaries is not None:
         pairs = {name: _pair(primaries[name]) for name in ("red", "green", "blue", "white")}
         primaries = Primaries(**{**primaries, **pairs})
-    notes = tuple(map(str, record.get("notes", ())))  # records told none before
+    # Records told neither before.
+    texts = {name: tuple(map(str, record.get(name, ()))) for name in ("notes", "edits")}
     camera = Camera(**record["camera"])
-    return Source(**{**record, "camera": camera, "primaries": primaries, "notes": notes})
+    return Source(**{**record, "camera": camera, "primaries": primaries, **texts})
 
 
 def _pair(numbers: Any) -> tuple[float, float]:
