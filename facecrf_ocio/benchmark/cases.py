@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 
 import facecrf_ocio
+from facecrf_ocio.benchmark import joint_folds
 from facecrf_ocio.benchmark.folds import GUARD_ROWS, assign_folds
 from facecrf_ocio.benchmark.images import LinearImage
 from facecrf_ocio.benchmark.responses import Responses
@@ -30,7 +31,7 @@ _MEASURED = (
     *("photo/pixels.py", "color/primaries.py"),
     *(f"benchmark/{name}.py" for name in ("cases", "folds", "joint_folds", "metrics", "responses")),
     *(f"benchmark/{name}.py" for name in ("conditions", "stress", "stress_camera")),
-    *("benchmark/virtual_camera.py", "benchmark/workbench.py", "benchmark/*.npz"),
+    *("benchmark/virtual_camera.py", "benchmark/workbench.py"),
 )
 
 
@@ -205,8 +206,10 @@ def code_digest() -> str:
     """Digest of the files of this package that a result depends on: code, models, weights."""
     root = Path(facecrf_ocio.__file__).parent
     total = hashlib.sha256()
-    for path in sorted({path for pattern in _MEASURED for path in root.glob(pattern)}):
-        total.update(path.relative_to(root).as_posix().encode())
+    measured = {path for pattern in _MEASURED for path in root.glob(pattern)}
+    measured |= {path for path in (joint_folds.HELD_OUT,) if path.is_file()}
+    for path in sorted(measured):
+        total.update(path.relative_to(root.parent).as_posix().encode())
         total.update(hashlib.sha256(path.read_bytes()).digest())
     return total.hexdigest()
 
