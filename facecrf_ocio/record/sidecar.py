@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path, PurePath
 from typing import Any, TypeVar
 
@@ -116,7 +116,7 @@ def sidecar_draft(
     path: Path, photo: Photo, estimate: Estimate, settings: Settings, luts: Sequence[Path]
 ) -> Draft:
     """Return the sidecar to be written, which is read back before it appears."""
-    expected = expectation(estimate)
+    expected = expectation(_as_read(estimate))
     record = {
         "schema": SCHEMA,
         "schema_version": SCHEMA_VERSION,
@@ -133,6 +133,15 @@ def sidecar_draft(
         "versions": versions(),
     }
     return Draft(path, strict_json.dump(record), lambda written: _compare(written, path, estimate))
+
+
+def _as_read(estimate: Estimate) -> Estimate:
+    """The estimate with the band that the record holds, so that duplicates get the same bytes."""
+    told = estimate.confidence
+    if told is None:
+        return estimate
+    sigma = frozen(read_rows(thinned(told.sigma)))
+    return replace(estimate, confidence=replace(told, sigma=sigma))
 
 
 def read_sidecar(path: Path) -> Sidecar:
