@@ -40,16 +40,8 @@ class Expectation:
     srgb_does_as_well: bool
 
     def record(self) -> dict[str, object]:
-        """The fields as JSON has them.
-
-        A tenth of a percent is finer than any band is known, and coarse enough to come out alike
-        from a band that a record has thinned.
-        """
-        return {
-            **asdict(self),
-            "verdict": self.verdict.value,
-            "white_percent": round(self.white_percent, 1),
-        }
+        """The fields as JSON has them."""
+        return {**asdict(self), "verdict": self.verdict.value}
 
 
 def expectation(estimate: Estimate) -> Expectation | None:
