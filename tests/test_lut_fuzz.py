@@ -23,7 +23,7 @@ from facecrf_ocio.errors import LutError
 from facecrf_ocio.image.lut_lookup import lut_lookup
 from facecrf_ocio.lut.format_table import FORMATS
 from facecrf_ocio.lut.lint import lint
-from facecrf_ocio.lut.transform import Recipe
+from facecrf_ocio.lut.transform import LutTransform
 from facecrf_ocio.values import InverseCRF
 
 SEED = int(os.environ.get("FACECRF_SEED", "0"))
@@ -35,10 +35,10 @@ GRAY = np.full((1, 2, 3), 0.4, np.float32)
 def seeds(folder: Path) -> list[tuple[str, bytes]]:
     """Small whole files of every format, and of what others put into them."""
     codes = np.linspace(0.0, 1.0, 5)
-    recipe = Recipe(InverseCRF(codes, np.stack([codes**2] * 3)))
+    transform = LutTransform(InverseCRF(codes, np.stack([codes**2] * 3)))
     found = []
     for row in FORMATS.values():
-        content = row.write(recipe, ("made for damage",))
+        content = row.write(transform, ("made for damage",))
         content = content.encode() if isinstance(content, str) else content
         found.append((row.suffixes[0], shortened(content)))
     rows = "0 0 0\n0.5 0.5 0.5\n1 1 1\n"
