@@ -98,7 +98,8 @@ def _keep_metadata(path: Path, header: oiio.ImageSpec) -> None:
 def _copy_attribute(item: Any, header: oiio.ImageSpec) -> None:
     # OpenImageIO drops short integers without a word; Python's own become 32-bit ones.
     name, value = plain_text(item.name), _plain(item.value)
-    if isinstance(value, int | float | str):
+    unsigned = isinstance(value, int) and value >= 1 << 31  # as Canon's ModelID is
+    if isinstance(value, int | float | str) and not unsigned:
         header.attribute(name, value)
     else:
         header.attribute(name, item.type, value)
