@@ -15,12 +15,14 @@ if TYPE_CHECKING:
     from facecrf_ocio.errors import OutputError as OutputError
     from facecrf_ocio.errors import PhotoError as PhotoError
     from facecrf_ocio.errors import SettingsError as SettingsError
+    from facecrf_ocio.image.to_exr import linearize_photo as linearize_photo
     from facecrf_ocio.joint import PhotoEvidence as PhotoEvidence
     from facecrf_ocio.joint import conclude as conclude
     from facecrf_ocio.joint import gather as gather
     from facecrf_ocio.joint import misfit as misfit
     from facecrf_ocio.lut.write import write_lut as write_lut
     from facecrf_ocio.photo.read import read_photo as read_photo
+    from facecrf_ocio.record.sidecar import read_curve as read_curve
     from facecrf_ocio.settings import Settings as Settings
     from facecrf_ocio.together import Together as Together
     from facecrf_ocio.together import calibrate_together as calibrate_together
@@ -38,6 +40,8 @@ _HOME = {
     "calibrate": "calibrate",
     **dict.fromkeys(("Together", "calibrate_together"), "together"),
     **dict.fromkeys(("PhotoEvidence", "conclude", "gather", "misfit"), "joint"),
+    "linearize_photo": "image.to_exr",
+    "read_curve": "record.sidecar",
     "read_photo": "photo.read",
     "write_lut": "lut.write",
     "Settings": "settings",

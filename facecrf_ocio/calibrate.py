@@ -8,12 +8,15 @@ off to `published/estimate.py`. All of them are listed in `estimators.py`.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TypeVar
+from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 from facecrf_ocio.color.signals import decode_hlg, decode_pq
 from facecrf_ocio.errors import SettingsError
+from facecrf_ocio.estimates import unit_floats
 from facecrf_ocio.estimators import (
     ESTIMATORS,
     FALLBACKS,
@@ -22,6 +25,7 @@ from facecrf_ocio.estimators import (
 )
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude, gather, shipped_joint
 from facecrf_ocio.joint.single_curve import MOST_SCATTER, gain_scatter
+from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.published.estimate import published_estimate
 from facecrf_ocio.response.fixed import fixed_curve, prior_confidence
 from facecrf_ocio.response.model import (
@@ -31,7 +35,15 @@ from facecrf_ocio.response.model import (
     strictly_increasing,
 )
 from facecrf_ocio.settings import PRIORS, Settings
-from facecrf_ocio.values import Confidence, Estimate, InStops, InverseCRF, Outcome, Photo, Verdict
+from facecrf_ocio.values import (
+    Confidence,
+    Estimate,
+    InStops,
+    InverseCRF,
+    Outcome,
+    Photo,
+    Verdict,
+)
 
 _Model = TypeVar("_Model")
 
@@ -39,7 +51,7 @@ SAME_CURVE = "the camera applied the same curve to all channels"
 
 
 def calibrate(
-    photo: Photo,
+    photo: Photo | str | Path | npt.NDArray[Any],
     *,
     estimator: str = "auto",
     fallback: str = "none",
@@ -53,7 +65,8 @@ def calibrate(
     Parameters
     ----------
     photo
-        As read by `read_photo`, or `Photo(encoded=...)` with an array (H, W, 3) in [0, 1].
+        As read by `read_photo`, or the path of its file; or an array (H, W, 3) of code values:
+        floats in [0, 1], 8-bit or 16-bit integers.
     estimator
         One of `estimators.ESTIMATORS`. `auto` is `joint`, but refuses a photo without evidence,
         which `joint` answers with the mean of the prior unless there is a fallback.
@@ -84,6 +97,7 @@ def calibrate(
         If the estimator, the fallback or the prior is not known, or the model is of another
         estimator's kind.
     """
+    photo = _photo(photo)
     settings = settings or Settings()
     if estimator not in ESTIMATORS:
         raise SettingsError(f"no estimator {estimator!r}; known: {', '.join(ESTIMATORS)}")
@@ -145,6 +159,15 @@ def _doubted(estimate: Estimate, photo: Photo) -> Estimate:
     verdict = Verdict.WEAK if told.verdict is Verdict.RELIABLE else told.verdict
     reasons = (*told.reasons, *(f"perhaps no single curve: {doubt}" for doubt in doubts))
     return replace(estimate, confidence=replace(told, verdict=verdict, reasons=reasons))
+
+
+def _photo(given: Photo | str | Path | npt.NDArray[Any]) -> Photo:
+    if isinstance(given, Photo):
+        return given
+    if isinstance(given, np.ndarray):
+        depth = 8 * given.itemsize if given.dtype.kind == "u" else None
+        return Photo(encoded=unit_floats(given), bit_depth=depth)
+    return read_photo(given)
 
 
 def _already_linear(photo: Photo) -> Estimate:

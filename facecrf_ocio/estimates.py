@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -42,6 +43,25 @@ class Verdict(str, Enum):
 
     def __str__(self) -> str:
         return self.value
+
+
+def unit_floats(values: npt.ArrayLike) -> npt.NDArray[Any]:
+    """Return code values as floats in [0, 1]: 8-bit and 16-bit integers by their maximum.
+
+    Raises
+    ------
+    SettingsError
+        If they are other integers, whose maximum nobody knows.
+    """
+    given = np.asarray(values)
+    if given.dtype in (np.uint8, np.uint16):
+        return given.astype(np.float32) / np.float32(np.iinfo(given.dtype).max)
+    if not np.issubdtype(given.dtype, np.floating):
+        raise SettingsError(
+            f"code values of type {given.dtype} have no known maximum; divide them by it and give "
+            "floats in [0, 1], or use uint8 or uint16"
+        )
+    return given
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,14 +104,20 @@ class InverseCRF:
         Parameters
         ----------
         encoded
-            (..., 3) code values; values outside [0, 1] are clamped, as OCIO does.
+            (..., 3) code values: floats in [0, 1], those outside are clamped, as OCIO does; or
+            8-bit or 16-bit integers, which are divided by 255 or 65535.
 
         Returns
         -------
         numpy.ndarray
             (..., 3) float32, relative linear light in [0, 1].
         """
-        return self._map(encoded, tuple((self.encoded, curve) for curve in self.linear))
+        values = unit_floats(encoded)
+        return self._map(values, tuple((self.encoded, curve) for curve in self.linear))
+
+    def __repr__(self) -> str:
+        middle = ", ".join(f"{value:.3f}" for value in self.linearize([[0.5] * 3])[0])
+        return f"<InverseCRF of {self.encoded.size} samples, 0.5 -> {middle}>"
 
     def encode(self, linear: npt.ArrayLike) -> npt.NDArray[np.float32]:
         """Map linear light to code values: the exact inverse of `linearize`."""
@@ -195,6 +221,10 @@ class Confidence:
     nearer_than_srgb: float | None = None
     outvoted: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        stops = "" if self.in_stops is None else f", {self.in_stops.mid:.2f} stops"
+        return f"<Confidence: {self.verdict}{stops}>"
+
     @property
     def differs_from_srgb(self) -> bool | None:
         """Whether the curve is surely another than sRGB's; None where that was not asked."""
@@ -249,6 +279,10 @@ class Estimate:
         object.__setattr__(self, "energy", read_only(self.energy))
         if self.coefficients is not None:
             object.__setattr__(self, "coefficients", frozen(self.coefficients))
+
+    def __repr__(self) -> str:
+        verdict = "" if self.confidence is None else f" ({self.confidence.verdict})"
+        return f"<Estimate by {self.estimator}: {self.outcome}{verdict}: {self.reason}>"
 
     @property
     def curve(self) -> InverseCRF:

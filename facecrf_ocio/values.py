@@ -176,6 +176,13 @@ class Photo:
     edits: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        height, width = self.encoded.shape[:2]
+        name = "in memory" if self.path is None else self.path.name
+        kind = "scene-linear" if self.scene_linear else f"{self.bit_depth} bits"
+        kind = kind if self.bit_depth or self.scene_linear else "floats"
+        return f"<Photo {name}: {width} x {height}, {kind}>"
+
     def __post_init__(self) -> None:
         encoded = checked_pixels(self.encoded, self.path, scene_linear=self.scene_linear)
         object.__setattr__(self, "encoded", frozen(encoded, np.float32))

@@ -155,6 +155,21 @@ def read_sidecar(path: Path) -> Sidecar:
     return _read(path, _sidecar)
 
 
+def read_curve(path: str | Path) -> InverseCRF:
+    """Read the curve of a record, NAME.crf.json, to the last digit.
+
+    Raises
+    ------
+    LutError
+        As `read_sidecar` does, or if the photo could not be calibrated.
+    """
+    path = Path(path)
+    curve = read_sidecar(path).estimate.found
+    if curve is None:
+        raise LutError(f"{path}: holds no curve, since its photo could not be calibrated")
+    return curve
+
+
 def read_source(path: Path) -> tuple[Source, tuple[str, ...]]:
     """Read only what photo a record is of, and which LUTs were written with it.
 
