@@ -45,7 +45,7 @@ def toned(exponents: tuple[float, float, float]) -> np.ndarray:
 
 
 @pytest.mark.parametrize("quality", [85, 92])
-@pytest.mark.parametrize("exponents", [(0.9, 1.0, 1.1), (1.05, 1.0, 0.95), (0.95, 1.0, 1.05)])
+@pytest.mark.parametrize("exponents", [(1.05, 1.0, 0.95), (0.95, 1.0, 1.05)])
 def test_toned_black_and_white(quality: int, exponents: tuple[float, float, float]) -> None:
     picture = stored(toned(exponents), quality)
     assert chroma_share(picture) < LEAST_CHROMA

@@ -14,12 +14,12 @@ from facecrf_ocio.values import Float, Lacking, Photo
 
 Float32 = npt.NDArray[np.float32]
 
-LEAST_CHROMA = 0.045
+LEAST_CHROMA = 0.03
 """Spread of color at a brightness over the spread of brightness, below which all color is a tone
 laid over gray. On 28 ordinary photos it was 0.21 to 1.6, but four linear portraits of one woman in
-studio light, through four film responses, have 0.051 to 0.074, and rendered heads with 15 % of
-their saturation 0.056 to 0.27. Photos made gray, toned and stored as JPEG of quality 50 to 92 have
-0.016 to 0.11: strongly toned ones are not told from gray skin by this."""
+studio light have 0.051 to 0.074 through film and 0.037 to 0.050 through cameras, and heads with
+15 % of their saturation 0.056 to 0.27. Photos made gray, toned and stored as JPEG of quality 50 to
+92 have 0.016 to 0.11: strongly toned ones are not told from gray skin by this."""
 
 FEWEST_COLORS = 300
 """Distinct colors of a picture below which it was made with a palette, which has 256 at most."""
