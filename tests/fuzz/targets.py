@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import corpus
-from facecrf_ocio.archive.cameras.shot import read_shot
 
 from facecrf_ocio.archive.check_outputs import verify
 from facecrf_ocio.archive.manifest.database import FILE, Manifest
@@ -17,6 +16,7 @@ from facecrf_ocio.lut.lint import lint
 from facecrf_ocio.photo.named_curve import curve_of_profile, is_other_curve
 from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
 from facecrf_ocio.photo.read import read_photo
+from facecrf_ocio.photo.shot import read_shot
 from facecrf_ocio.record.sidecar import read_sidecar, read_source
 
 
