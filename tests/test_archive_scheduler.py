@@ -277,5 +277,5 @@ def test_a_worker_with_another_version_is_told_by_name(
     own_cluster.wait_for_workers(1)
     ended = batch(facecrf, archive, tmp_path / "o", "--scheduler", own_cluster.address)
     assert ended.code == 1
-    assert f"facecrf-ocio is 0.0.1 there and {__version__} here" in ended.err
+    assert f"facecrf_ocio is 0.0.1 there and {__version__} here" in ended.err
     assert rows(tmp_path / "o") == []
