@@ -136,6 +136,7 @@ scene.render.use_compositing = False
 render(codes, work / "material.exr")
 scene.render.use_compositing = True
 
+chosen.estimator = "srgb"
 said["folder"] = list(
     bpy.ops.facecrf.linearize_folder(directory=str(portrait.parent), output=str(work / "exr"))
 )

@@ -26,9 +26,7 @@ WORK = """
 import sys
 from pathlib import Path
 from facecrf_ocio import calibrate, read_photo
-from facecrf_ocio.archive.work.one_photo import warm_up
 from facecrf_ocio.image.linearize import write_linear
-warm_up()
 photo = read_photo(sys.argv[1])
 estimate = calibrate(photo, estimator="auto")
 write_linear(Path(sys.argv[2]), photo, estimate)

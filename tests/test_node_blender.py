@@ -122,7 +122,7 @@ def test_panel_and_node_are_called_linearize_photo(session):
 @pytest.mark.parametrize("operator", ["missing", "missing_for_folder"])
 def test_a_missing_command_is_named_with_what_to_do(session, operator):
     assert "/nowhere/facecrf" in session[1][operator]
-    assert "preferences" in session[1][operator]
+    assert "Preferences" in session[1][operator]
     assert not (session[0] / "none").exists()
 
 
