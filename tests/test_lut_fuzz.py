@@ -27,7 +27,7 @@ from facecrf_ocio.lut.transform import LutTransform
 from facecrf_ocio.values import InverseCRF
 
 SEED = int(os.environ.get("FACECRF_SEED", "0"))
-COUNT = int(os.environ.get("FACECRF_MUTATIONS", "40"))
+COUNT = int(os.environ.get("FACECRF_MUTATIONS", "6"))
 SECONDS = 2.0
 GRAY = np.full((1, 2, 3), 0.4, np.float32)
 
