@@ -26,8 +26,8 @@ def test_changes_change_and_can_be_repeated():
 
 @pytest.mark.slow
 def test_no_changed_file_escapes_a_crash_a_hang_or_a_gigabyte(tmp_path):
-    """A minute of what `python tests/fuzz/fuzz.py` does in ten, or in any time."""
-    command = [sys.executable, FUZZ, "--seconds", "60", "--keep", tmp_path]
+    """Two minutes of what `python tests/fuzz/fuzz.py` does in ten, or in any time."""
+    command = [sys.executable, FUZZ, "--seconds", "120", "--keep", tmp_path]
     ended = subprocess.run(command, check=False, capture_output=True, text=True)
     assert ended.returncode == 0, ended.stdout + ended.stderr
     counts = [int(line.split()[1]) for line in ended.stdout.splitlines()[:-1]]

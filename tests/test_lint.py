@@ -240,7 +240,7 @@ def whole_files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
 
 
 @pytest.mark.slow  # what hangs OpenColorIO costs half a second each
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(data=st.data())
 def test_no_damage_ends_in_anything_but_findings(
     data: st.DataObject, whole_files: dict[str, bytes], tmp_path_factory: pytest.TempPathFactory

@@ -27,7 +27,7 @@ from facecrf_ocio.lut.transform import LutTransform
 from facecrf_ocio.values import InverseCRF
 
 SEED = int(os.environ.get("FACECRF_SEED", "0"))
-COUNT = int(os.environ.get("FACECRF_MUTATIONS", "6"))
+COUNT = int(os.environ.get("FACECRF_MUTATIONS", "300"))
 SECONDS = 2.0
 GRAY = np.full((1, 2, 3), 0.4, np.float32)
 
@@ -103,3 +103,10 @@ def apply_end(path: Path) -> str:
         return "refused"
     assert np.isfinite(found).all()
     return "applied"
+
+
+def test_a_reason_that_is_no_utf8_is_told_whole_and_hangs_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "a.cube"
+    path.write_bytes(b"LUT_1D_SIZE \xff\xfe\n0 0 0\n1 1 1\n")
+    (found,) = (finding for finding in lint(path) if finding.unusable)
+    assert "a.cube' could not be loaded" in found.problem

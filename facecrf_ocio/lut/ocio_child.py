@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import signal
 import sys
+import tempfile
 from pathlib import Path
-
-import PyOpenColorIO as ocio  # noqa: N813
 
 from facecrf_ocio.lut.ocio_processor import RefusedError, ocio_processor
 
@@ -26,15 +26,20 @@ def serve() -> None:
 
         resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    warnings: list[str] = []
-    ocio.SetLoggingFunction(warnings.append)
+    # What OpenColorIO logs of a damaged file may be no UTF-8: a logging function of Python's would
+    # fail inside of it, while it holds its lock, and it would wait for that forever.
+    log = tempfile.TemporaryFile()  # noqa: SIM115 - as long as the process
+    os.dup2(log.fileno(), sys.stderr.fileno())
     print("ready", flush=True)
     for line in sys.stdin:
         path, seconds = json.loads(line)
-        warnings.clear()
+        log.seek(0)
+        log.truncate()
         _allow(seconds)
         reason = _reason(Path(path))
         _allow(0.0)
+        log.seek(0)
+        warnings = log.read().decode("utf-8", "replace").splitlines()
         told = dict.fromkeys(_plain(text, path) for text in warnings[:_MOST_WARNINGS])
         print(json.dumps([reason, list(told)]), flush=True)
 

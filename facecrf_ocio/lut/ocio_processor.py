@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
 from typing import Any
 
 import PyOpenColorIO as ocio  # noqa: N813
+
+from facecrf_ocio.files.plain_text import plain_text
 
 
 class RefusedError(Exception):
@@ -42,8 +45,9 @@ def ocio_processor(path: Path, *, inverse: bool = False, quiet: bool = True) -> 
         transform = ocio.FileTransform(src=source, interpolation=ocio.INTERP_BEST)
         # An empty context keeps it from expanding $HOME and the like in the folder's name.
         return ocio.Config.CreateRaw().getProcessor(ocio.Context(), transform, way)
-    except ocio.Exception as error:
-        raise RefusedError(" ".join(str(error).replace(source, path.name).split())) from error
+    except (ocio.Exception, UnicodeDecodeError) as error:  # its reason may quote a damaged file
+        reason = plain_text(error, limit=sys.maxsize).replace(source, path.name)
+        raise RefusedError(" ".join(reason.split())) from error
     except TypeError as error:  # how its binding meets a path that is not Unicode
         raise RefusedError("it cannot read from a folder whose name is not Unicode") from error
     finally:
