@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 ERROR, WARNING = "error", "warning"
@@ -90,6 +91,7 @@ def number(word: str) -> float | None:
         return None
 
 
+@lru_cache(maxsize=16)  # asked for every row of the one size that a file promises
 def count(word: str) -> int | None:
     """Return the number of entries a word promises; None if it is no number, or no LUT's."""
     return int(word) if word.isascii() and word.isdecimal() and len(word) < 10 else None
