@@ -58,12 +58,15 @@ def _lines(text: str) -> _Lines:
     """Number and words of the lines that are neither empty nor remarks, up to a table's end."""
     in_notes = False
     for line, raw in enumerate(text.split("\n"), start=1):
-        words = raw.split("#")[0].split()
-        if words[1:2] == ["METADATA"] and words[0] in ("BEGIN", "END"):
-            in_notes = words[0] == "BEGIN"
-        elif words and words[0] == "}":
+        words = raw.partition("#")[0].split()
+        if not words:
+            continue
+        first = words[0]
+        if first in ("BEGIN", "END") and words[1:2] == ["METADATA"]:
+            in_notes = first == "BEGIN"
+        elif first == "}":
             return
-        elif words and not in_notes and not words[0].upper().startswith("TITLE"):
+        elif not in_notes and not (first[0] in "tT" and first.upper().startswith("TITLE")):
             yield line, words
 
 
@@ -83,9 +86,7 @@ class _Read:
         self.findings.append(Finding(self.path, line, severity, problem, remedy))
 
     def row(self, line: int, words: Sequence[str]) -> None:
-        numbers = [found for found in map(number, words) if found is not None]
-        if len(numbers) < len(words):
-            self.add(line, "a row is not numbers", "export it again")
+        numbers = self._numbers(line, words)
         promised = count(self.size[1]) if self.size else None
         if self.solid is not None and self.size is None:
             promised = 0
@@ -95,6 +96,17 @@ class _Read:
         self.more += 1
         if self.solid and not all(abs(one) < float("inf") for one in numbers):  # NaN fails too
             self.add(line, "an entry is NaN or infinite", "export it again")
+
+    def _numbers(self, line: int, words: Sequence[str]) -> list[float]:
+        try:
+            if "_" not in "".join(words):  # so are most, and there may be a million
+                return list(map(float, words))
+        except ValueError:
+            pass
+        numbers = [found for found in map(number, words) if found is not None]
+        if len(numbers) < len(words):
+            self.add(line, "a row is not numbers", "export it again")
+        return numbers
 
     def domain(self, line: int, name: str, nodes: Sequence[Sequence[str]]) -> None:
         """Check nodes that shall increase, each given for one channel or for R, G, B."""
@@ -157,7 +169,9 @@ def _keyed(path: Path, lines: _Lines) -> list[Table]:
     unknown = 0
     for line, words in lines:
         key, values = words[0].lower(), words[1:]
-        if key in ("length", "lut_1d_size") and values:
+        if number(key) is not None:
+            read.row(line, words)
+        elif key in ("length", "lut_1d_size") and values:
             read.size = line, values[-1]
         elif key == "lut_3d_size" and values:
             read.solid = line, values[-1]
@@ -165,8 +179,6 @@ def _keyed(path: Path, lines: _Lines) -> list[Table]:
             read.domain(line, "the domain", [[value] for value in values])
         elif key in ("domain_min", "domain_max"):
             ends[key] = line, values
-        elif number(key) is not None:
-            read.row(line, words)
         elif key not in _KEYWORDS and unknown < _MOST_UNKNOWN:
             unknown += 1
             read.add(line, f"no keyword {words[0][:40]!r} is known", "check the line", WARNING)
