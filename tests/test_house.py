@@ -23,8 +23,7 @@ MEDIAN_FUNCTION = 8
 # Shrinks only: what is longer than it may be, until its room is put in order.
 LONG_FILES = {
     *("archive/manifest/database.py", "archive/run.py", "archive/work/dask_cluster.py"),
-    *("cli/bench_command.py", "image/lookup.py", "joint/noise_counts.py", "record/sidecar.py"),
-    *("training/fit.py"),
+    *("cli/bench_command.py", "record/sidecar.py"),
 }
 
 # Rooms that still have numbers without a reason beside them; shrinks only.

@@ -66,6 +66,7 @@ GRID = np.linspace(0, 1, 1024)
         (table(decode_hlg(GRID)), "HLG"),
         (table(GRID**2.2), ""),
         (table(GRID)[:500], ""),
+        (table(GRID)[:501], ""),  # half a sample
     ],
 )
 def test_curves_of_profiles(curve: bytes, name: str) -> None:

@@ -220,6 +220,6 @@ def _require_exr_free(path: Path, *, overwrite: bool) -> None:
     if path.suffix.lower() != ".exr":
         raise OutputError(f"{path}: is not named as OpenEXR; give it the suffix .exr")
     require_free(path, overwrite=overwrite)
+    require_writable(path.parent)  # first, since folders in a closed one cannot even be looked for
     if not path.parent.exists():
         raise OutputError(f"{path}: cannot be written: no such folder; create the folder first")
-    require_writable(path.parent)

@@ -74,9 +74,9 @@ def _table(tag: bytes, codes: Float) -> Float:
         return codes
     if count == 1:
         return np.asarray(codes ** (struct.unpack_from(">H", tag, 12)[0] / 256))
-    samples = np.frombuffer(tag[12 : 12 + 2 * min(count, len(tag))], ">u2") / 65535
-    if samples.size != count:
+    if len(tag) < 12 + 2 * count:
         raise struct.error("the table is cut short")
+    samples = np.frombuffer(tag, ">u2", count, offset=12) / 65535
     return np.interp(codes, np.linspace(0, 1, count), samples)
 
 
