@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+import io
 import re
 import statistics
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -19,6 +21,8 @@ TREES = {name: ast.parse(text) for name, text in SOURCES.items()}
 LONGEST_FILE = 300
 LONGEST_FUNCTION = 60
 MEDIAN_FUNCTION = 8
+LARGEST_WHEEL = 5_000_000  # bytes
+METADATA = 40_000  # bytes of a wheel that are no file of the package: mostly digests, two licenses
 
 # Shrinks only: what is longer than it may be, until its room is put in order.
 LONG_FILES = {
@@ -126,3 +130,13 @@ def test_nothing_speaks_to_sqlite_but_that_room():
         if isinstance(node, ast.Import) and any(alias.name == "sqlite3" for alias in node.names)
     }
     assert {Path(name).parent.as_posix() for name in using} == {"archive/manifest"}
+
+
+def test_what_ships_is_under_5_mb():
+    """As a wheel holds it: a .zip by deflate."""
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as wheel:
+        for path in sorted(PACKAGE.rglob("*")):
+            if path.is_file() and "__pycache__" not in path.parts:
+                wheel.write(path, path.relative_to(PACKAGE.parent).as_posix())
+    assert packed.tell() + METADATA < LARGEST_WHEEL

@@ -11,7 +11,7 @@ import pytest
 from photo_files import write
 
 from facecrf_ocio.joint import load_joint
-from facecrf_ocio.joint.messages import COMBINED
+from facecrf_ocio.joint.messages import COMBINED, exact_array
 from facecrf_ocio.joint.statistics import CUES
 from facecrf_ocio.synthetic import SyntheticSpec, render_face
 from facecrf_ocio.training.before_camera import dead_leaves, read_head, saturate, stage
@@ -260,3 +260,17 @@ def test_the_band_of_packed_weights_can_be_set(tmp_path):
         }
         assert float(stored["b/band_scale"]) == 1.3
         assert json.loads(str(stored["a/made_by"])) == {"band_measured": "by a test"}
+
+
+def test_weights_are_stored_in_bytes_and_read_to_half_a_step(tmp_path):
+    exact = np.random.default_rng(1).normal(size=(5, 30)) * 10.0 ** np.arange(-2, 3)[:, None]
+    exact[3] = 0.0
+    np.savez(tmp_path / "a.npz", noise_0_weight0=exact, noise_0_bias0=exact[0], band_scale=1.0)
+    pack(tmp_path / "all.npz", {"a": tmp_path / "a.npz"})
+    with_band(tmp_path / "all.npz", 1.3, "by a test")  # what is in bytes stays as it is
+    with np.load(tmp_path / "all.npz") as stored:
+        assert stored["a/noise_0_weight0"].dtype == np.int8
+        assert stored["a/noise_0_bias0"].dtype == np.float64
+        arrays = {key.removeprefix("a/"): stored[key] for key in stored.files}
+    half_steps = 0.51 * np.abs(exact).max(axis=1, keepdims=True) / 127.0
+    assert (np.abs(exact_array(arrays, "noise_0_weight0") - exact) <= half_steps).all()

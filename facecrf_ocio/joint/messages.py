@@ -23,6 +23,7 @@ from facecrf_ocio.values import Float
 
 COMBINED = "combined"  # the network that sees all cues
 FARTHEST = 5.0  # standard deviations; training never saw statistics beyond
+STEP = "_step"  # ends the name of the steps of an array that is stored in bytes
 LOG_PRECISION = (-8.0, 6.0)
 
 
@@ -111,9 +112,15 @@ def networks_of(arrays: Mapping[str, Float]) -> Networks:
     )
 
 
+def exact_array(arrays: Mapping[str, Float], name: str) -> Float:
+    """One array of a file of weights, in numbers; some are stored in whole steps."""
+    whole = np.asarray(arrays[name], np.float64)
+    return whole * arrays[f"{name}{STEP}"] if f"{name}{STEP}" in arrays else whole
+
+
 def _network(arrays: Mapping[str, Float], name: str) -> CueNetwork:
     def stored(part: str) -> Float:
-        return np.asarray(arrays[f"{name}_{part}"], np.float64)
+        return exact_array(arrays, f"{name}_{part}")
 
     layers = tuple((stored(f"weight{n}"), stored(f"bias{n}")) for n in range(4))
     return CueNetwork(stored("center"), stored("scale"), layers)
