@@ -26,7 +26,7 @@ LAYERS = (
     ("face", "lut", "wording"),
     ("published",),
     ("joint", "pair"),
-    ("calibrate", "together"),
+    ("calibrate", "together", "chart"),
     ("image", "record", "synthetic"),
     ("ocio_config", "plots", "cameras"),
     ("archive", "benchmark", "clip"),

@@ -16,6 +16,7 @@ from facecrf_ocio.cli.bench_command import bench
 from facecrf_ocio.cli.bracket_command import bracket
 from facecrf_ocio.cli.calibrate_command import calibrate
 from facecrf_ocio.cli.cameras_command import cameras
+from facecrf_ocio.cli.chart_command import chart
 from facecrf_ocio.cli.clip_command import clip
 from facecrf_ocio.cli.doctor_command import doctor
 from facecrf_ocio.cli.explain_command import explain
@@ -60,6 +61,7 @@ main.add_command(calibrate)
 main.add_command(bench)
 main.add_command(pair)
 main.add_command(bracket)
+main.add_command(chart)
 main.add_command(merge)
 main.add_command(clip)
 main.add_command(cameras)

@@ -1,0 +1,1 @@
+"""A camera's response from a color chart in the photo."""
