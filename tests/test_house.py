@@ -30,9 +30,6 @@ LONG_FILES = {
     *("cli/bench_command.py", "record/sidecar.py"),
 }
 
-# Rooms that still have numbers without a reason beside them; shrinks only.
-UNEXPLAINED_ROOMS = {"archive", "benchmark", "joint", "pair", "training"}
-
 # `TOP = 5`, `_SIZES: tuple[int, ...] = (3, 4)`; a name in capitals is a constant by PEP 8.
 CONSTANT = re.compile(r"_?[A-Z][A-Z0-9_]*$")
 
@@ -105,8 +102,7 @@ def test_functions_are_small():
 
 @pytest.mark.parametrize("name", FILES)
 def test_every_number_has_its_reason_beside_it(name):
-    if name.split("/")[0] not in UNEXPLAINED_ROOMS:
-        assert list(unexplained(name)) == []
+    assert list(unexplained(name)) == []
 
 
 SQL = re.compile(r"\b(SELECT .* FROM|INSERT INTO|UPDATE \w+ SET|DELETE FROM|CREATE TABLE|PRAGMA)\b")

@@ -20,8 +20,8 @@ from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Float, InverseCRF, Photo
 
-_WHOLLY_SKIN = 0.99
-_ANY_HUE = 180.0
+_WHOLLY_SKIN = 0.99  # of a pixel; what is less is at the edge of the mask
+_ANY_HUE = 180.0  # [degree] half of a circle: the true mask is not narrowed by hue
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ class Ablation:
     pigment_weight: float | None = None
 
 
-ABLATIONS = (
+ABLATIONS = (  # lambda_p in decades on both sides of 3e4, the setting's
     Ablation("full method"),
     Ablation("true mask", mask=True),
     Ablation("true normals", normals=True),

@@ -37,7 +37,7 @@ and the new estimate held against sRGB. of one camera: the estimate of each phot
 the mean curve of the others whose files name the same camera. Differences in stops, with one free
 factor taken out at code 128, over codes 64 to 235 and over the shadows 16 to 64, and as RMSE x 100.
 band: share of codes at which the difference lies within the 90 % band in stops."""
-_GRID = np.linspace(0.0, 1.0, 1024)
+_GRID = np.linspace(0.0, 1.0, 1024)  # encoded values, as many as a stored response has
 _BEND = 0.06  # of full scale: as much as a tone curve of a photo editor is commonly bent
 
 

@@ -20,11 +20,13 @@ from facecrf_ocio.benchmark.workbench import Workbench
 from facecrf_ocio.files.atomic import Draft, write_files
 from facecrf_ocio.files.strict_json import dump
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude
-from facecrf_ocio.joint.evidence import COVERAGE_BINS, Observation, observe
+from facecrf_ocio.joint.evidence import Observation, observe
 from facecrf_ocio.joint.statistics import CUES
+from facecrf_ocio.response.coverage import COVERAGE_BINS
 from facecrf_ocio.values import Float
 
 ALL, ALONE, WITHOUT, TOGETHER = "all", "alone", "without", "together"
+# The ends of a 90 % interval are then the quantiles of 5 and 95 %, give or take 0.5 %.
 _DRAWS = 2000
 
 LEGEND = """\
@@ -140,6 +142,7 @@ class _Measure:
         return [f"{value:.{self.digits}f}" for value in (np.median(errors), errors.mean())]
 
 
+# Factor and digits of what is told: stops as they are, RMSE in percent.
 _MEASURES = (_Measure("stops", "mid", 1.0, 3), _Measure("RMSE x 100", "rmse", 100.0, 2))
 
 

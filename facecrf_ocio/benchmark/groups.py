@@ -13,6 +13,7 @@ from facecrf_ocio.benchmark.workbench import Result
 from facecrf_ocio.errors import PhotoError, reason_of
 from facecrf_ocio.estimators import FIXED_CURVES
 
+# The middle half by quarters, and the tails, which a mean hides.
 PERCENTILES = (5, 10, 25, 50, 75, 90, 95, 99)
 _LEFT_OUT = frozenset(FIXED_CURVES) - {"mean", "srgb"}
 

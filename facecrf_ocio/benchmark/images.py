@@ -13,7 +13,7 @@ from facecrf_ocio.photo.suffixes import RAW_SUFFIXES
 from facecrf_ocio.values import Photo
 
 _SUFFIXES = frozenset({".exr", ".hdr", ".png", ".tif", ".tiff"}) | RAW_SUFFIXES
-_MIN_BITS = 10
+_MIN_BITS = 10  # of linear light, whose darkest stops have a code or two each in 8
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,7 @@ from facecrf_ocio.joint import JointModel, joint_of, shipped_joint
 DORF = "45d7b6467f147b6dd99875652bef2d36f0a6ef5cebbd5b8ed33759ee6a4c1fc1"
 MODERN = "48ef6804cf515c7d6149677829341e8eb2fe3eba4f6e6eec8128a963dbc32110"
 STACKS = "143a54389c8b60cf50a4e23200acf9697f923b31d23864aa0bdb27ae0d716071"
-FOLDS = 5
+FOLDS = 5  # of responses: so many files of weights were fitted without a fifth each
 HELD_OUT = Path(__file__).parents[2] / "examples" / "results" / "held_out_joint.npz"
 _FAMILY = {DORF: "dorf", MODERN: "modern", STACKS: "stacks"}
 

@@ -23,7 +23,7 @@ from facecrf_ocio.plots.calibration_plot import (
 from facecrf_ocio.published.face_estimator import AnalyzedFace
 from facecrf_ocio.values import CHANNELS, Float
 
-DOTS_PER_INCH = 200
+DOTS_PER_INCH = 200  # enough for print; chosen by judgment
 _TRUTH_COLOR = "#00b4ff"
 _BEST_COLOR = "#ffffff"
 

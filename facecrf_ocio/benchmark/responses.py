@@ -15,7 +15,7 @@ from facecrf_ocio.response.dorf import GRID_SIZE, read_dorf_inverse
 from facecrf_ocio.values import CHANNELS, Float, Index, frozen
 
 _FAMILY_KEYS = ("maker", "family", "brand")
-_END_TOLERANCE = 1e-6
+_END_TOLERANCE = 1e-6  # [1] from 0 and 1, above what single precision rounds
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,7 +16,7 @@ from facecrf_ocio.benchmark.cases import common_conditions
 from facecrf_ocio.benchmark.conditions import CELLS, Cell, Conditions
 from facecrf_ocio.benchmark.folds import assign_folds, fit_held_out
 from facecrf_ocio.benchmark.images import LinearImage
-from facecrf_ocio.benchmark.joint_folds import joint_model
+from facecrf_ocio.benchmark.joint_folds import FOLDS, joint_model
 from facecrf_ocio.benchmark.responses import Responses, spread_rows
 from facecrf_ocio.benchmark.store import Store
 from facecrf_ocio.benchmark.stress_camera import Image, photograph
@@ -29,7 +29,6 @@ from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Camera, Photo
 
 ESTIMATORS = ("auto", "mean", "srgb")
-FOLDS = 5
 # What EXIF says by kind of camera: cameras and phones name themselves, film and webcams do not.
 _PHONE = Camera("samsung", "SM-G973F")
 

@@ -21,8 +21,8 @@ _LEAST_MEGAPIXELS = 0.3  # below it faces of whole portraits are too small to be
 _LEVELS = 65536  # of linear light, as a 16-bit raw converter has them
 _GUIDE_RADIUS, _CHROMA_DEVIATION = 2, 2.0  # [pixel] of the noise reduction
 _PATCH, _SEARCH = 5, 11  # [pixel] of non-local means; OpenCV's 7 and 21 take five times as long
-_TYPICAL_ISO = 400.0
-_MID_GRAY = 0.18
+_TYPICAL_ISO = 400.0  # where conditions name none; indoors by day, chosen by judgment
+_MID_GRAY = 0.18  # [1] of white: the reflectance that exposure meters are set to
 
 # Malvar, He and Cutler, fig. 2, times 8: green at red or blue; red at green in its own row, and in
 # its own column; red at blue.

@@ -27,7 +27,7 @@ from facecrf_ocio.settings import Settings
 PAIRS = "pairs"
 _LINEAR = RAW_SUFFIXES | {".exr", ".hdr"}
 _ENCODED = frozenset({".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp"})
-_GRID = 1024
+_GRID = 1024  # encoded values at which curves are compared, as many as a stored response has
 
 Progress = Callable[[int, int], None]
 

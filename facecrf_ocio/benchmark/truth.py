@@ -18,7 +18,7 @@ from facecrf_ocio.synthetic import SyntheticSpec, render_face
 from facecrf_ocio.values import Float
 
 Image = npt.NDArray[np.float32]
-_DARKEST = 1e-4
+_DARKEST = 1e-4  # [1] of white: logarithms exist, and 13 stops are more than a photo shows
 
 
 @dataclass(frozen=True, slots=True, eq=False)

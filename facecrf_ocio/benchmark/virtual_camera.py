@@ -12,9 +12,8 @@ from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.photo.pixels import is_gray
 from facecrf_ocio.values import Float, Photo, Primaries
 
-# Of a full-frame camera: saturation at ISO 100 and read noise, in electrons.
-FULL_WELL_ISO_100 = 60_000.0
-READ_NOISE = 5.0
+FULL_WELL_ISO_100 = 60_000.0  # [electron] at which a pixel of a full-frame camera saturates
+READ_NOISE = 5.0  # [electron] standard deviation, of the same
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,11 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
-from facecrf_ocio.joint.evidence import COVERAGE_BINS, PhotoEvidence
+from facecrf_ocio.joint.evidence import PhotoEvidence
 from facecrf_ocio.joint.fuse import agreeing_shares, average, multiply, widened
 from facecrf_ocio.joint.messages import COMBINED, Networks, networks_of
 from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior, prior_of
 from facecrf_ocio.joint.verdict import judge, verdict_of
+from facecrf_ocio.response.coverage import coverage_at
 from facecrf_ocio.response.model import inverse_crf, strictly_increasing
 from facecrf_ocio.values import (
     CHANNELS,
@@ -192,10 +193,7 @@ def _confidence(
         in_stops, _ = judge(posterior, found, prior, model.band_scale)
         nowhere = np.zeros_like(sigma)
         return Confidence(sigma, nowhere, Verdict.PRIOR_ONLY, (nothing,), in_stops)
-    centers = (np.arange(COVERAGE_BINS) + 0.5) / COVERAGE_BINS
     total = np.sum([e.coverage for e in telling], axis=0)
-    coverage = np.array(
-        [np.interp(found.encoded, centers, c / max(float(c.max()), 1e-12)) for c in total]
-    )
+    coverage = np.array([coverage_at(found.encoded, counts) for counts in total])
     in_stops, nearer = judge(posterior, found, prior, model.band_scale)
     return Confidence(sigma, coverage, verdict_of(in_stops), (), in_stops, nearer, outvoted)

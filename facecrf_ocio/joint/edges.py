@@ -12,8 +12,8 @@ import numpy as np
 from facecrf_ocio.joint.noise_counts import EDGE_LEVELS, NoiseCounts
 from facecrf_ocio.values import Float
 
-_FEW = 30.0
-_DARK, _BRIGHT = np.triu_indices(EDGE_LEVELS, 1)
+_FEW = 30.0  # edges at which a place is trusted by half; chosen by judgment, and trained with
+_DARK, _BRIGHT = np.triu_indices(EDGE_LEVELS, 1)  # every pair of levels once, the darker first
 
 
 def edge_profile(counts: NoiseCounts) -> Float | None:

@@ -27,10 +27,10 @@ from facecrf_ocio.joint.statistics import (
     photo_counts,
     skin_counts,
 )
+from facecrf_ocio.response.coverage import COVERAGE_BINS, coverage_counts
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Face, Float, Lacking, Photo
 
-COVERAGE_BINS = 64
 _COLOR = "use a color version"
 _LARGER = "use a larger version of the photo"
 
@@ -163,7 +163,4 @@ def observe(photo: Photo, settings: Settings) -> Observation | Lacking:
 
 
 def _histograms(encoded: Float) -> Float:
-    counts = [
-        np.histogram(encoded[:, c], bins=COVERAGE_BINS, range=(0.0, 1.0))[0] for c in range(3)
-    ]
-    return np.asarray(counts, dtype=np.float64) / max(1, len(encoded))
+    return np.array([coverage_counts(channel) for channel in encoded.T]) / max(1, len(encoded))

@@ -11,7 +11,7 @@ from facecrf_ocio.values import Float
 
 # Degrees of freedom of the t distribution that stands behind each Gaussian message.
 _FREEDOM = 4.0
-_ROUNDS = 3
+_ROUNDS = 3  # of sharing anew, each by the shares before; chosen by judgment
 
 
 def multiply(messages: Sequence[Message], shares: Sequence[float]) -> Message | None:

@@ -17,7 +17,11 @@ from facecrf_ocio.values import Float, frozen
 
 # Texture reaches the upper quantiles of a second difference first.
 _QUANTILE = 0.3
+# Pixels of a level that count at all, and that are trusted by half; chosen by judgment.
 _FEWEST, _FEW = 30, 150.0
+# Weights of the least squares, whose data are log deviations: of a level seen well, of a bend, of a
+# slope where nothing is seen, and of an offset. Only ratios mean something. Chosen by judgment;
+# the networks were trained with them.
 _TRUST, _SMOOTH, _FLAT, _OFFSET = 8.0, 1.0, 0.02, 0.05
 
 

@@ -24,6 +24,7 @@ from facecrf_ocio.values import Float
 COMBINED = "combined"  # the network that sees all cues
 FARTHEST = 5.0  # standard deviations; training never saw statistics beyond
 STEP = "_step"  # ends the name of the steps of an array that is stored in bytes
+# Deviations of e^4 to e^-3 of the prior's units: nothing said, and almost sure.
 LOG_PRECISION = (-8.0, 6.0)
 
 

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from facecrf_ocio.values import CHANNELS, Float, Index, frozen
 
-LEVELS = 24
+LEVELS = 24  # of 10.6 codes each; chosen by judgment, and trained with
 SIZES = 3
 """As stored, at half the size, and at a quarter of it."""
 SECOND_DIFFERENCE = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32)
@@ -31,18 +31,19 @@ RESIDUES = np.array(
     ]
 )
 """Smallest second difference of each bin, in 8-bit codes; by an eighth apart from twelve on."""
-EDGE_LEVELS = 8
+EDGE_LEVELS = 8  # of 32 codes each, not much more than the faintest edge has
+# [px] down and right, by distance: 1, its diagonal, 2; a mosaic has a period of two.
 LAGS = ((0, 1), (1, 0)), ((1, 1),), ((0, 2), (2, 0))
 BLOCK = 8
 """[px] Side of a JPEG's blocks."""
 
-_PAIRS = ((0, 1), (1, 2), (0, 2))
-_GREEN = 1
-_WHITE = 255
-_NEIGHBORS = np.ones((3, 3), np.uint8)
-_NARROWEST = 3
-_LARGEST = 1023
-_EDGE_SIZES = 2
+_PAIRS = ((0, 1), (1, 2), (0, 2))  # of channels, each once
+_GREEN = 1  # index of the channel that a mosaic samples most densely
+_WHITE = 255  # [code value] of 8 bits
+_NEIGHBORS = np.ones((3, 3), np.uint8)  # a pixel and those whose second difference it is
+_NARROWEST = 3  # [px] the side of a second difference
+_LARGEST = 1023  # second differences of larger size count in the last bin
+_EDGE_SIZES = 2  # as stored and at half of it; chosen by judgment, and trained with
 _FAINTEST = 24  # codes between the two sides of an edge
 _FLAT = 0.15  # of that, which the sides themselves may rise by
 _MOST_DIFFERENCE = 32  # codes: what counts of a difference for blocks, lest edges outweigh all

@@ -34,10 +34,10 @@ HDR+ has 0.15; Adobe's maps from single curves 0.001 and 0.05, one by libultrahd
 _GAIN_SIDE, _GAIN_BINS = 256, 64  # [px] and brightnesses at which a gain map is looked at
 _SIDE = 768  # [px] of the middle of the picture that is looked at, at its own size
 _SMALL = 64  # [px] long side of the picture whose color is looked at
-_FEWEST_SMALL = 128
-_BRIGHTNESSES = 12
+_FEWEST_SMALL = 128  # pixels: ten and more for each of the brightnesses
+_BRIGHTNESSES = 12  # at which one hue each is asked; chosen by judgment
 _CLIPPED = (4, 251)  # [code of 255] beyond these, noise and color are cut off
-_FEWEST_PIXELS = 1024
+_FEWEST_PIXELS = 1024  # as many as 32 by 32, of which a share is certain to 2 %
 _ORIGINAL = "use the picture as the camera wrote it"
 
 

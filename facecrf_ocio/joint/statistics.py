@@ -31,13 +31,17 @@ from facecrf_ocio.values import Bool, Float, frozen
 FACE_CUES = ("shading", "highlights", "pigments", "eyes")
 """Measured on the face at its working size."""
 CUES = ("grain", "noise", "edges", "exposure", *FACE_CUES)
+# Groups of skin by brightness, equally many pixels each; trained with, as all below.
 SHADING_BINS = 12
-PIGMENT_BINS = 4
+PIGMENT_BINS = 4  # few, since each needs the scatter of its pixels, not their mean alone
+# Shares of the photo's pixels; closer together toward both ends, where it clips.
 EXPOSURE_QUANTILES = (0.02, 0.1, 0.25, 0.5, 0.75, 0.9, 0.98)
+# Shares of the skin's pixels: the upper tenth, where gloss is.
 HIGHLIGHT_QUANTILES = (0.9, 0.95, 0.98, 0.995)
+# Shares of an eye's pixels: pupil and iris below, sclera and glint above.
 EYE_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
-_DARKEST = 0.5 / 255.0
-_MIN_EYE_PIXELS = 20
+_DARKEST = 0.5 / 255.0  # [1] half a code of 8 bits, so that logarithms exist
+_MIN_EYE_PIXELS = 20  # of five quantiles, four pixels between each; chosen by judgment
 _ALMOST_WHITE, _ALMOST_BLACK = 253, 3  # codes
 _RIGHT_LIDS, _LEFT_LIDS = (33, 133, 159, 145), (263, 362, 386, 374)  # corners, then lids
 _CLOSED = 0.12  # height over width of an eye's opening

@@ -13,11 +13,10 @@ import numpy as np
 from facecrf_ocio.joint.noise_counts import ROUNDING, NoiseCounts, quantile
 from facecrf_ocio.values import Float
 
-GROUPS = 6
-_LOW, _HIGH = 0.3, 0.8
+GROUPS = 6  # of four levels each: agreement in sign needs more pixels than a deviation
+_LOW, _HIGH = 0.3, 0.8  # quantiles that texture reaches last, as `grain` takes it, and first
 _NORMAL_TAIL = 1.2017  # log of the ratio of these quantiles of a normal deviate's absolute value
-_FEW_PAIRS, _FEW = 100.0, 300.0
-_GREEN = 1
+_FEW_PAIRS, _FEW = 100.0, 300.0  # pairs, and pixels, that are trusted by half; chosen by judgment
 
 
 def noise_character(counts: NoiseCounts) -> Float:

@@ -13,10 +13,9 @@ from facecrf_ocio.joint.prior import FamilyPrior, Posterior
 from facecrf_ocio.response.expected_stops import expected_of_draws, rising, share_nearer
 from facecrf_ocio.values import Float, InStops, InverseCRF, Verdict
 
-# [stop] Expected errors up to which an estimate is called reliable: a tenth of a stop is what a
-# colorist sees side by side; a quarter is little in the shadows, where sRGB decoding is off by one.
-RELIABLE_MID = 0.1
-RELIABLE_SHADOWS = 0.25
+# Expected errors up to which an estimate is called reliable.
+RELIABLE_MID = 0.1  # [stop] what a colorist sees side by side
+RELIABLE_SHADOWS = 0.25  # [stop] little in the shadows, where sRGB decoding is off by one
 _DRAWS = 512  # quantiles of so many vary by 2 %
 
 

@@ -17,16 +17,17 @@ from facecrf_ocio.values import CHANNELS, Bool, Float, InverseCRF
 LOWEST, HIGHEST = 4, 249
 # Next to white some pixels of a patch are clipped already, and next to black some are drowned.
 _SURE_FROM, _SURE_TO = 6.0, 245.0
-_FEWEST = 100
+_FEWEST = 100  # points: five and more for each of the curve's coefficients
 _NEAR = 8  # [code value] what a point says of its neighbors
 
-MIN_STOPS = 1.0
+MIN_STOPS = 1.0  # [stop] from the darkest to the brightest exposure; chosen by judgment
+# Share of the code values with points near them; chosen by judgment, as the next two.
 MIN_COVERED = 0.88
-MAX_HALVES = 0.03
-MAX_BEND = 0.02
+MAX_HALVES = 0.03  # [1] RMSE of curves from two halves of the points: what the tables call 3
+MAX_BEND = 0.02  # [1] RMSE by which another smoothness may change the curve
 MAX_RESIDUAL = 0.15
 """[stop]"""
-MIN_KEPT = 0.6
+MIN_KEPT = 0.6  # share of the points that Tukey's biweight keeps: at less, most of the scene moved
 _FLOOR = 0.02  # [stop] deviation of the curves that passed, beyond what halves and smoothness tell
 _GUESSED = 0.3  # of the stops from the brightest point to white, which known responses bridge
 _STRETCH = 0.015  # of all stops: how far the camera's times may be stretched as a whole

@@ -18,14 +18,14 @@ from facecrf_ocio.values import Bool, Float, Photo
 WORKING_SIDE = 1024
 """[px] Longest side of the photos while they are compared."""
 _ALIGN_SIDE = 640  # [px]
-_STEPS, _PRECISION = 60, 1e-5
+_STEPS, _PRECISION = 60, 1e-5  # at most, and gain of correlation, at which ECC ends; by judgment
 # What a movement must bring to be believed: of correlation, and of what it lacks to 1.
 _GAIN, _LESS = 0.002, 0.25
 _STILL = 0.3  # [px] less than which is not worth resampling
 _FEWEST_SEEN = 0.05  # of the pixels, clipped in neither photo
 _PATCH = 5  # [px]
 _FLAT = 3.0  # [code value] standard deviation within a patch
-_BINS, _PER_BIN = 24, 40
+_BINS, _PER_BIN = 24, 40  # of about ten codes, and patches of each of all photos; by judgment
 _CENTER = 0.5  # of half the diagonal: how far out points are taken where f-numbers differ
 
 Image = npt.NDArray[np.float32]

@@ -12,12 +12,12 @@ from facecrf_ocio.pair.bracket_curve import BracketCurve, bracket_reasons, solve
 from facecrf_ocio.pair.bracket_pixels import SmallBracket, flat_patches, small_bracket
 from facecrf_ocio.pair.exposure_grid import exposure_stops
 from facecrf_ocio.photo.shot import Shot
+from facecrf_ocio.response.coverage import coverage_at, coverage_counts
 from facecrf_ocio.response.expected_stops import expected_of_sigma
 from facecrf_ocio.values import Confidence, Estimate, Float, Outcome, Photo, Verdict
 
 _RELIABLE_RESIDUAL = 0.08  # [stop]
-_SAME_APERTURE = 1e-3
-_COVERAGE_BINS = 64
+_SAME_APERTURE = 1e-3  # f-numbers are written with one decimal or two
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,9 +117,5 @@ def _not_calibrated(solved: BracketCurve) -> Estimate:
 def _coverage(codes: Float, usable: np.typing.NDArray[np.bool_], solved: BracketCurve) -> Float:
     if solved.found is None:
         return np.empty(0)
-    centers = (np.arange(_COVERAGE_BINS) + 0.5) / _COVERAGE_BINS
-    rows = []
-    for channel in range(3):
-        counts, _ = np.histogram(codes[usable][:, channel] / 255.0, _COVERAGE_BINS, (0.0, 1.0))
-        rows.append(np.interp(solved.found.encoded, centers, counts / max(counts.max(), 1)))
-    return np.array(rows)
+    at, channels = solved.found.encoded, codes[usable].T / 255.0
+    return np.array([coverage_at(at, coverage_counts(channel)) for channel in channels])

@@ -14,9 +14,10 @@ from scipy.interpolate import BSpline
 
 from facecrf_ocio.values import CHANNELS, Bool, Float, Index
 
-CODES = 256
-_SEGMENTS, _DEGREE = 16, 3
+CODES = 256  # of 8 bits, to which all photos of a bracket are brought
+_SEGMENTS, _DEGREE = 16, 3  # of a cubic spline, with a knot every 16 codes; chosen by judgment
 _SIZE = _SEGMENTS + _DEGREE
+# Of weighing anew, from nothing and from a fit of other points; chosen by judgment.
 _ROUNDS, _FEW_ROUNDS = 6, 2
 _TUKEY = 4.685  # 95 % efficient for Gaussian residuals
 _CODE_NOISE = 0.6  # [code value] of the mean of a small patch, with what JPEG does to it

@@ -20,7 +20,7 @@ from facecrf_ocio.values import Bool, Float, InverseCRF, Photo
 
 Image = npt.NDArray[np.float32]
 
-_CODE = 1.0 / 255.0
+_CODE = 1.0 / 255.0  # [1] one code value of 8 bits
 _CODE_NOISE = 1.0 * _CODE  # of a pixel of an 8-bit JPEG
 _PHOTON = 2e-4  # variance of light 1 at white: a signal-to-noise ratio of 70, a small sensor's
 _READ = 4e-6  # variance of light 0: a deviation of 1/500 of white, as small sensors have
@@ -29,9 +29,9 @@ _DARK, _BRIGHT = (2.0 * _CODE, 8.0 * _CODE), (244.0 * _CODE, 252.0 * _CODE)
 _LAST = 1e-6  # weight of what no photo shows well, in the one that shows it best
 _MOVED, _TEXTURED = 6.0 * _CODE, 0.4  # codes, and of the local range, that are no movement
 _BOX, _GROWN = 5, 9  # [px]
-_TABLE = 4096
+_TABLE = 4096  # of encoded values: 16 for each code of 8 bits
 _FARTHEST = 0.35  # [stop] of an exposure from what EXIF says
-_FEWEST = 30
+_FEWEST = 30  # patches: a median of so many is off by a quarter of their spread
 
 
 @dataclass(frozen=True, slots=True, eq=False)

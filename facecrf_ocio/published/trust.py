@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from facecrf_ocio.estimators import Estimator
+from facecrf_ocio.response.coverage import coverage_at, coverage_counts
 from facecrf_ocio.response.expected_stops import prior_in_stops
 from facecrf_ocio.response.fixed import curve_deviation
 from facecrf_ocio.response.model import CURVE_SIZE, ResponseModel
 from facecrf_ocio.values import CHANNELS, Confidence, Float, Verdict
-
-COVERAGE_BINS = 64  # of code values: one is four 8-bit codes
 
 
 def fitted_confidence(estimator: Estimator, encoded: Float, model: ResponseModel) -> Confidence:
@@ -33,7 +32,5 @@ def fitted_confidence(estimator: Estimator, encoded: Float, model: ResponseModel
 
 def _coverage(values: Float, codes: Float) -> Float:
     """Evidence near each code, relative to where it is densest."""
-    counts = np.histogram(values, bins=COVERAGE_BINS, range=(0.0, 1.0))[0].astype(np.float64)
-    smooth = np.convolve(np.pad(counts, 1), [0.25, 0.5, 0.25], mode="valid")
-    centers = (np.arange(COVERAGE_BINS) + 0.5) / COVERAGE_BINS
-    return np.asarray(np.interp(codes, centers, smooth / max(smooth.max(), 1e-12)))
+    smooth = np.convolve(np.pad(coverage_counts(values), 1), [0.25, 0.5, 0.25], mode="valid")
+    return coverage_at(codes, smooth)

@@ -8,21 +8,21 @@ import cv2
 import numpy as np
 
 from facecrf_ocio.benchmark.folds import assign_folds
-from facecrf_ocio.benchmark.joint_folds import held_out_joint
+from facecrf_ocio.benchmark.joint_folds import FOLDS, held_out_joint
 from facecrf_ocio.benchmark.responses import read_responses
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude
 from facecrf_ocio.joint.statistics import counted_statistics
+from facecrf_ocio.response.coverage import COVERAGE_BINS
 from facecrf_ocio.training.before_camera import read_head, read_surroundings
-from facecrf_ocio.training.curves import FOLDS, NO_ROW, Draw, fold_of_rows
+from facecrf_ocio.training.curves import NO_ROW, Draw, fold_of_rows
 from facecrf_ocio.training.plan import STACKS, Data
 from facecrf_ocio.training.simulate import Example, simulate
 from facecrf_ocio.values import Float
 
-COVERED = 0.9
+COVERED = 0.9  # share of all codes: bands are told as 90 % bands everywhere
 _NORMAL = 1.645  # deviations within which nine of ten normal errors lie
 _HEAPS, _HEAPS_SEED = 8, 99  # others than those of training
 _INSIDE = slice(32, -32)  # of 4096 codes: the ends are known
-_COVERAGE_BINS = 64
 
 
 def measure_band(data: Data, held_out: Path, photos: int, seed: int) -> tuple[float, Float]:
@@ -69,7 +69,7 @@ def _distances(example: Example, model: JointModel) -> Float:
     by_cue = {**counted_statistics(example.photo, example.skin), **example.of_face}
     evidence = PhotoEvidence(
         model.networks.messages(by_cue),
-        np.ones((3, _COVERAGE_BINS)),
+        np.ones((3, COVERAGE_BINS)),
         stretch=model.networks.stretch(by_cue),
     )
     found = conclude([evidence], "auto", model)

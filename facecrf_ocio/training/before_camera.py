@@ -25,11 +25,11 @@ Light = npt.NDArray[np.float32]
 # Absorbance of melanin and hemoglobin in red, green and blue, relative to green: rough means over
 # the cameras of the renders.
 _MELANIN, _BLOOD = np.array([[0.55, 1.0, 1.6], [0.2, 1.0, 0.8]], np.float32)
-_GRAY = np.full((1, 3), 1.0 / 3.0, np.float32)
-_TILE = 1024
+_GRAY = np.full((1, 3), 1.0 / 3.0, np.float32)  # the mean of the channels
+_TILE = 1024  # [px] side of a tile of texture, from which a part is cut for each window
 _OCTAVES = (0.0, 0.7, 1.5, 3.0, 7.0)  # px
-_CANVAS = 900
-_LEAVES = 2500
+_CANVAS = 900  # [px] a square that covers a window several times over
+_LEAVES = 2500  # shapes, enough to leave little of the canvas bare; chosen by judgment
 
 
 @dataclass(frozen=True, slots=True, eq=False)

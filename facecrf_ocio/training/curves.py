@@ -9,15 +9,16 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.benchmark.folds import GUARD_ROWS
+from facecrf_ocio.benchmark.joint_folds import FOLDS
 from facecrf_ocio.benchmark.responses import read_responses
 from facecrf_ocio.values import Float, Index
 
-FOLDS = 5
-_NEAREST = 12
+_NEAREST = 12  # of the 40 in a fold: alike enough to be mixed; chosen by judgment
 _POWERS = 0.15  # share of pure powers among the varied curves of DoRF's family
 _RARE = 0.25  # root mean square distance from the mean curve
-NO_ROW = -1
+NO_ROW = -1  # no index of a row
 _STRANGERS = 0.4  # share of mixed modern responses whose second is of any kind and maker
+# Shares by what took a photo; chosen by judgment.
 _KINDS = {"camera_jpeg": 0.45, "webcam": 0.25, "phone_isp": 0.25, "raw_converter": 0.05}
 
 

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from facecrf_ocio.training.before_camera import gray_of
 
 Light = npt.NDArray[np.float32]
+# Shares, most of what keeps edges; chosen by judgment.
 _KINDS = {"bilateral": 0.4, "shrink": 0.4, "median": 0.1, "blur": 0.1}
 
 

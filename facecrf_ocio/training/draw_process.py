@@ -11,7 +11,8 @@ from facecrf_ocio.training.process import SAMPLING, Process
 
 EXPOSURE = 1.1
 """[EV] Deviation of the exposure: cameras, scenes and skins differ by about one stop."""
-DARKEST, BRIGHTEST = -3.5, 2.0
+DARKEST, BRIGHTEST = -3.5, 2.0  # [EV] three deviations to the dark, two to the bright; by judgment
+# Shares; chosen by judgment.
 _RESAMPLING = {cv2.INTER_AREA: 0.6, cv2.INTER_LINEAR: 0.2, cv2.INTER_CUBIC: 0.2}
 
 

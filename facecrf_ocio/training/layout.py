@@ -21,9 +21,10 @@ NARROWEST, WIDEST = 62.0, 2600.0
 """[px] Width of faces: the estimator takes none narrower than 60."""
 _USUAL, _SPREAD = 330.0, 1.0  # px; deviation of the logarithm
 _LARGEST = 24e6  # px of a photo
+# Of cameras, phones and squares, lying and standing.
 _ASPECTS = (3 / 2, 4 / 3, 1.0, 3 / 4, 2 / 3, 9 / 16)
 _LANDMARKS_OFF = 0.01  # of the face's width: landmarks are off by about 1 %
-_ALIGNED = 16
+_ALIGNED = 16  # [px] side of JPEG's blocks of color at 4:2:0, which windows must not cut
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,17 +10,18 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.benchmark.folds import assign_folds
+from facecrf_ocio.benchmark.joint_folds import FOLDS
 from facecrf_ocio.benchmark.responses import read_responses
-from facecrf_ocio.training.curves import FOLDS, CurveSource, read_curves, rows_outside
+from facecrf_ocio.training.curves import CurveSource, read_curves, rows_outside
 from facecrf_ocio.training.parts import Examples
 
-PARTS = 258
-SEED = 1
-EPOCHS = 20
-MEMBERS = 3
-HELD_OUT_MEMBERS = 1
+PARTS = 258  # of 72 photos; three times as many examples lowered the error by 5 %
+SEED = 1  # any; the band is measured with another
+EPOCHS = 20  # chosen by judgment
+MEMBERS = 3  # networks a cue, which are averaged; chosen by judgment
+HELD_OUT_MEMBERS = 1  # the bench makes eleven files of them, each fitted anew
 STACKS = "stacks"
-_DORF_ROWS = 201
+_DORF_ROWS = 201  # responses in Columbia's file
 _VALIDATION_SCENES = 3  # the first pictures of surroundings are kept for looking at the results
 
 

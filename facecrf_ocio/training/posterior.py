@@ -13,7 +13,7 @@ from facecrf_ocio.joint.prior import FamilyPrior
 
 _NOT_IT = -30.0  # log weight of a family that is told not to be the photo's
 _SMALLEST = 4e-3  # root of light, below which stops are not told apart
-_MIDDLE = 128
+_MIDDLE = 128  # [code value] where the free factor of light is taken out, as the bench does
 _TONES, _SHADOWS = (64, 236), (16, 65)  # codes
 _STEP = 4  # codes
 

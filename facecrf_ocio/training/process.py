@@ -23,8 +23,8 @@ SAMPLING = {
     "4:2:2": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_422,
     "4:4:4": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444,
 }
-_WHITE = 65535
-_LEVELS = 16384
+_WHITE = 65535  # [code value] of 16 bits, which demosaicing takes
+_LEVELS = 16384  # of the root of light: 64 for each code of 8 bits
 
 
 @dataclass(frozen=True, slots=True, eq=False)

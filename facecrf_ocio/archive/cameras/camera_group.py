@@ -29,7 +29,7 @@ MOST = 100
 """Photos that a curve is concluded from at most. Errors of one camera's photos are correlated by
 0.3, so that any number of photos tells as much as 3.3 independent ones, and 100 as much as 3.2."""
 
-_CURVE_POINTS = 256
+_CURVE_POINTS = 256  # one for each code of 8 bits
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -22,6 +22,7 @@ _BY_NAME = {
     "SQLITE_BUSY": _LOCKED,
     "SQLITE_LOCKED": _LOCKED,
 }
+# By code; -1 stands for what this Python has no name for, and is no code.
 _REMEDIES = {getattr(sqlite3, name, -1): remedy for name, remedy in _BY_NAME.items()}
 
 

@@ -24,7 +24,7 @@ from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.photo.shot import Shot
 
 FILE = "facecrf-manifest.sqlite"
-UNSEEN = -1
+UNSEEN = -1  # [byte] no size of a file
 CLAIMED = -1
 """Size of an output that is about to be written: the name is taken, the file may be there."""
 STARTED, GATHERED, WRITING, DONE = "started", "gathered", "writing", "done"

@@ -54,7 +54,7 @@ import sqlite3
 
 from facecrf_ocio.archive.manifest.keys import folded, key_of
 
-VERSION = 3
+VERSION = 3  # of the tables below; one more for each change of them
 
 _ABOUT = "CREATE TABLE IF NOT EXISTS about (key TEXT PRIMARY KEY, value TEXT NOT NULL)"
 _FIRST = (

@@ -22,7 +22,7 @@ SAMPLES = 33
 STOPS_RANGE = 8.0
 """[stop] Beyond this from sRGB no curve is drawn."""
 
-_FULL = 65535
+_FULL = 65535  # the largest of 16 bits: 1 of a curve, which a drawing shows to a thousandth
 
 
 @dataclass(frozen=True, slots=True)

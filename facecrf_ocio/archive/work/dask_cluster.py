@@ -35,10 +35,11 @@ if TYPE_CHECKING:
 
 _REACH = 5.0  # [s] to reach the scheduler
 _FIRST = 15.0  # [s] until a first worker must be there
+# [s] between looks whether the scheduler is still there; soon for people, seldom for a cluster.
 _POLL = 0.25
 _COUNT_AGAIN = 5.0  # [s] after which the workers are counted anew
 _LARGEST = 1 << 30  # [byte] a larger file is worked on here rather than held in memory and shipped
-_RETRIES = 2
+_RETRIES = 2  # of work that failed there, by other workers; a third failure ends the run
 _MARK = ".facecrf-mark-"
 _GO_ON = "what is done stays done; start again to go on"
 

@@ -26,7 +26,7 @@ from facecrf_ocio.archive.task import FAILED, Result, Task
 from facecrf_ocio.files.processor import processor
 from facecrf_ocio.files.threads import limit_to_one_thread
 
-_POLL = 0.25
+_POLL = 0.25  # [s] between looks at limits of time and memory, which are told in seconds
 
 
 @dataclass(frozen=True, slots=True)
