@@ -22,9 +22,10 @@ from selenium.webdriver import ActionChains
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.wait import WebDriverWait
 
+from facecrf_ocio.archive.job import Job
 from facecrf_ocio.archive.manifest.database import FILE
 from facecrf_ocio.archive.report import write_report
-from facecrf_ocio.archive.run import Job, run
+from facecrf_ocio.archive.run import run
 from facecrf_ocio.archive.task import Recipe
 from facecrf_ocio.archive.walk import photos_under
 from facecrf_ocio.record.sidecar import read_sidecar

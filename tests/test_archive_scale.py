@@ -19,7 +19,8 @@ from facecrf_ocio.photo.shot import Shot
 RUN = """
 import resource, sys, time
 from pathlib import Path
-from facecrf_ocio.archive.run import Job, run
+from facecrf_ocio.archive.job import Job
+from facecrf_ocio.archive.run import run
 from facecrf_ocio.archive.task import Recipe
 from facecrf_ocio.archive.walk import photos_under
 source, folder, pool = Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3] == "pool"

@@ -24,12 +24,6 @@ MEDIAN_FUNCTION = 8
 LARGEST_WHEEL = 5_000_000  # bytes
 METADATA = 40_000  # bytes of a wheel that are no file of the package: mostly digests, two licenses
 
-# Shrinks only: what is longer than it may be, until its room is put in order.
-LONG_FILES = {
-    *("archive/manifest/database.py", "archive/run.py", "archive/work/dask_cluster.py"),
-    *("cli/bench_command.py", "record/sidecar.py"),
-}
-
 # `TOP = 5`, `_SIZES: tuple[int, ...] = (3, 4)`; a name in capitals is a constant by PEP 8.
 CONSTANT = re.compile(r"_?[A-Z][A-Z0-9_]*$")
 
@@ -90,8 +84,8 @@ def unexplained(name):
 
 
 def test_files_are_short():
-    long = {name for name, text in SOURCES.items() if text.count("\n") > LONGEST_FILE}
-    assert long <= LONG_FILES, f"split {sorted(long - LONG_FILES)}"
+    long = [name for name, text in SOURCES.items() if text.count("\n") > LONGEST_FILE]
+    assert long == [], "split them by idea"
 
 
 def test_functions_are_small():

@@ -7,9 +7,10 @@ from pathlib import Path
 
 from facecrf_ocio import __version__
 from facecrf_ocio.archive.check_outputs import Fault
+from facecrf_ocio.archive.job import Event, Job
 from facecrf_ocio.archive.manifest.damage import understanding
 from facecrf_ocio.archive.manifest.read_only import Reader, reading
-from facecrf_ocio.archive.run import Event, Job, run
+from facecrf_ocio.archive.run import run
 from facecrf_ocio.archive.task import FAILED, Recipe
 from facecrf_ocio.archive.walk import as_utf8
 from facecrf_ocio.files.threads import usable_cores

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from facecrf_ocio import __version__
 from facecrf_ocio.archive.in_the_way import Alike, in_the_way
+from facecrf_ocio.archive.job import REOPENED, Event, Job
 from facecrf_ocio.archive.manifest.database import (
     DONE,
     GATHERED,
@@ -18,76 +19,20 @@ from facecrf_ocio.archive.manifest.database import (
     Manifest,
     Stamp,
 )
+from facecrf_ocio.archive.manifest.twin_rows import mark_duplicates
 from facecrf_ocio.archive.place import MOUNT, Place, alone, require_apart, source_identity
-from facecrf_ocio.archive.task import FAILED, GATHER, WHOLE, Recipe, Result, Task
+from facecrf_ocio.archive.task import FAILED, GATHER, WHOLE, Result, Task
 from facecrf_ocio.archive.twins import from_twin
 from facecrf_ocio.archive.unchanged import Unchanged
 from facecrf_ocio.archive.walk import as_utf8, name_of
-from facecrf_ocio.archive.work.processes import Limits, Pool
+from facecrf_ocio.archive.work.processes import Pool
 from facecrf_ocio.archive.work.status import status_of
 from facecrf_ocio.errors import OutputError, PhotoError
 from facecrf_ocio.files.content import fingerprint_of
 from facecrf_ocio.files.folders import make_folder
 
 if TYPE_CHECKING:
-    from facecrf_ocio.archive.work.dask_cluster import Cluster, ClusterPool
-
-REOPENED = "reopened"
-
-
-@dataclass(frozen=True, slots=True)
-class Job:
-    """What is asked of a run.
-
-    Attributes
-    ----------
-    source, folder
-        Root of the photos, and of the outputs.
-    recipe
-        How to treat each photo.
-    jobs, limits
-        Number of worker processes, and what one photo may cost.
-    overwrite
-        Replace files that are not outputs of this archive.
-    retry
-        Try photos again that failed before, though nothing changed.
-    cluster
-        Work there instead of in processes of this machine; `jobs` is without effect then.
-    again
-        Photos whose outputs are to be made again though they look as they were written. If there
-        are any, nothing is found out of others.
-    """
-
-    source: Path
-    folder: Path
-    recipe: Recipe
-    jobs: int = 1
-    limits: Limits = field(default_factory=Limits)
-    overwrite: bool = False
-    retry: bool = False
-    cluster: Cluster | None = None
-    again: frozenset[str] = frozenset()
-
-
-@dataclass(frozen=True, slots=True)
-class Event:
-    """Something came of a photo.
-
-    Attributes
-    ----------
-    name, result
-        The photo, and what came of it.
-    fresh
-        False if it was done by an earlier run.
-    step
-        `DONE`: it is accounted for. `GATHERED`: its evidence is known. `REOPENED`: it was accounted
-        for, with this result, and is now written again with another curve of its camera.
-    """
-
-    name: str
-    result: Result
-    fresh: bool
-    step: str = DONE
+    from facecrf_ocio.archive.work.dask_cluster import ClusterPool
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +110,7 @@ class _Run:
         self.unchanged.record()
         if not seen:
             self._require_source()
-        self.manifest.mark_duplicates()
+        mark_duplicates(self.manifest)
         if self.job.recipe.pool:
             self._write_waiting()
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from facecrf_ocio.archive.manifest.database import DONE, Manifest
+from facecrf_ocio.archive.manifest.twin_rows import twins_of
 from facecrf_ocio.archive.task import FAILED, WRITE, Result, Task
 from facecrf_ocio.errors import LutError, OutputError
 from facecrf_ocio.files.content import sha256_of
@@ -24,7 +25,7 @@ def from_twin(
         there is no such photo, or if what became of it is of no use.
     """
     own = ""
-    for twin in manifest.twins(task.name, fingerprint, recipe) if fingerprint else ():
+    for twin in twins_of(manifest, task.name, fingerprint, recipe) if fingerprint else ():
         told = twin.result
         if told.outcome == FAILED and not twin.key:
             continue

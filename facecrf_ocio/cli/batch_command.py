@@ -27,8 +27,8 @@ from facecrf_ocio.errors import LutError
 from facecrf_ocio.files.threads import usable_cores
 
 if TYPE_CHECKING:
-    from facecrf_ocio.archive.run import Event, Job
-    from facecrf_ocio.archive.work.dask_cluster import Cluster
+    from facecrf_ocio.archive.job import Event, Job
+    from facecrf_ocio.archive.work.cluster import Cluster
 
 INTERRUPTED = 130  # exit code of what Ctrl-C ended: 128 + SIGINT, as shells have it
 _TLS = ("tls_ca", "tls_cert", "tls_key")
@@ -138,7 +138,7 @@ def batch(
 
 
 def _job(source: Path, output: Path, jobs: int | None, options: dict[str, Any]) -> Job:
-    from facecrf_ocio.archive.run import Job
+    from facecrf_ocio.archive.job import Job
     from facecrf_ocio.archive.task import Recipe
     from facecrf_ocio.archive.work.processes import Limits
 
@@ -205,7 +205,7 @@ def _cluster(scheduler: str | None, ship: bool | None, *tls: Path | None) -> Clu
         return None
     if any(tls) and not all(tls):
         raise click.UsageError("--tls-ca, --tls-cert and --tls-key belong together")
-    from facecrf_ocio.archive.work.dask_cluster import Cluster
+    from facecrf_ocio.archive.work.cluster import Cluster
 
     return Cluster(scheduler, ship, *map(str, filter(None, tls)))
 

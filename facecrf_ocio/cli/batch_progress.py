@@ -14,7 +14,7 @@ from facecrf_ocio.archive.walk import Passed, as_utf8
 from facecrf_ocio.cli.terminal import one_line
 
 if TYPE_CHECKING:
-    from facecrf_ocio.archive.run import Event
+    from facecrf_ocio.archive.job import Event
 
 KINDS = ("reliable", "weak", "prior only", "no curve", "failed")
 _PLAIN_EVERY = 30.0  # [s] between two lines where there is no terminal

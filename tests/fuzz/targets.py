@@ -10,6 +10,7 @@ import corpus
 
 from facecrf_ocio.archive.check_outputs import verify
 from facecrf_ocio.archive.manifest.database import FILE, Manifest
+from facecrf_ocio.archive.manifest.twin_rows import mark_duplicates, twins_of
 from facecrf_ocio.archive.report.contents import gather
 from facecrf_ocio.image.lut_lookup import lut_lookup
 from facecrf_ocio.lut.lint import lint
@@ -59,8 +60,8 @@ def _manifest(path: Path) -> None:
             manifest.outputs(name)
         manifest.known("a.jpg")
         manifest.outputs("a.jpg")
-        manifest.twins("c.jpg", "f", "r")
-        manifest.mark_duplicates()
+        twins_of(manifest, "c.jpg", "f", "r")
+        mark_duplicates(manifest)
     finally:
         manifest.close()
 

@@ -21,7 +21,6 @@ from facecrf_ocio.archive.task import Gathered, Output, Result
 from facecrf_ocio.archive.walk import as_utf8
 from facecrf_ocio.errors import OutputError
 from facecrf_ocio.files.plain_text import plain_text
-from facecrf_ocio.photo.shot import Shot
 
 FILE = "facecrf-manifest.sqlite"
 UNSEEN = -1  # [byte] no size of a file
@@ -59,16 +58,6 @@ class Known:
     outcome: str
     verdict: str
     sha256: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Twin:
-    """A photo that probably has the bytes of another; `key` is its camera's, empty without."""
-
-    name: str
-    state: str
-    result: Result
-    key: str
 
 
 class Manifest:
@@ -280,30 +269,6 @@ class Manifest:
         found = self.rows("SELECT name, photo FROM outputs WHERE folded = ?", folded(output))
         return [(name_of_key(name), name_of_key(photo)) for name, photo in found]
 
-    def twins(self, name: str, fingerprint: str, recipe: str) -> list[Twin]:
-        """Return the photos that probably have a photo's bytes and were treated as it is to be."""
-        rows = self.rows(
-            "SELECT name, state, outcome, verdict, estimator, reason, remedy, sha256, make, model, "
-            "serial, software, camera, taken, exposure_s, aperture, iso FROM photos "
-            "WHERE fingerprint = ? AND recipe = ? AND state != ? AND name != ? ORDER BY name",
-            *(fingerprint, recipe, STARTED, key_of(name)),
-        )
-        return [_twin(self.path, row) for row in rows]
-
-    def mark_duplicates(self) -> None:
-        """Record for every photo which one, first in the order of names, has the same bytes."""
-        first = (
-            "IFNULL((SELECT MIN(name) FROM photos AS other "
-            "WHERE other.fingerprint = photos.fingerprint AND other.sha256 = photos.sha256 "
-            "AND other.fingerprint != '' AND other.name < photos.name), '')"
-        )
-        with self.transaction():
-            self.change(
-                f"UPDATE photos SET duplicate_of = {first} "  # noqa: S608
-                "WHERE fingerprint IN (SELECT fingerprint FROM photos WHERE fingerprint != '' "
-                "GROUP BY fingerprint HAVING COUNT(*) > 1) OR duplicate_of != ''"
-            )
-
     def counts(self) -> Mapping[tuple[str, str], int]:
         """Return the number of finished photos of each (outcome, verdict)."""
         rows = self.rows(
@@ -316,16 +281,3 @@ class Manifest:
 
 
 _AGAIN = "start the batch again with --overwrite on a new folder"
-
-
-def _twin(path: Path, row: tuple[Any, ...]) -> Twin:
-    key, state, outcome, verdict, estimator, reason, remedy, sha256, *rest = row
-    make, model, serial, software, camera, *exposure = rest
-    with understanding(path):
-        style = json.loads(camera)[-1] if camera else ""
-    result = Result(
-        *(outcome, verdict, estimator, reason, remedy, sha256),
-        camera=(make, model, serial, software),
-        shot=Shot(style, *exposure),
-    )
-    return Twin(name_of_key(key), state, result, camera)

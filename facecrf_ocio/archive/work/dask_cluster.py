@@ -7,64 +7,40 @@ wherever they are made, it does not matter how far the lost one got.
 
 from __future__ import annotations
 
-import hashlib
-import logging
 import os
 import queue
 from collections import deque
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from facecrf_ocio import __version__
 from facecrf_ocio.archive.task import FAILED, Result, Task
+from facecrf_ocio.archive.work.cluster import (
+    LARGEST,
+    Cluster,
+    connect,
+    require_equal_workers,
+    unlike,
+)
+from facecrf_ocio.archive.work.delivered import accepted, odd_answer
 from facecrf_ocio.archive.work.parcel import Delivery, Parcel, unpack
 from facecrf_ocio.archive.work.processes import Limits, Pool
-from facecrf_ocio.archive.work.worker_answer import checked
 from facecrf_ocio.errors import ClusterError, OutputError, SettingsError, reason_of
-from facecrf_ocio.files.atomic import Draft, write_files
-from facecrf_ocio.files.folders import make_folder
 from facecrf_ocio.files.plain_text import plain_text
-from facecrf_ocio.files.versions import difference, versions
+from facecrf_ocio.files.versions import versions
 
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-_REACH = 5.0  # [s] to reach the scheduler
-_FIRST = 15.0  # [s] until a first worker must be there
 # [s] between looks whether the scheduler is still there; soon for people, seldom for a cluster.
 _POLL = 0.25
 _COUNT_AGAIN = 5.0  # [s] after which the workers are counted anew
-_LARGEST = 1 << 30  # [byte] a larger file is worked on here rather than held in memory and shipped
 _RETRIES = 2  # of work that failed there, by other workers; a third failure ends the run
 _MARK = ".facecrf-mark-"
 _GO_ON = "what is done stays done; start again to go on"
-
-
-@dataclass(frozen=True, slots=True)
-class Cluster:
-    """An existing Dask cluster.
-
-    Attributes
-    ----------
-    address
-        Of its scheduler, such as `tcp://host:8786`.
-    ship
-        Send photos to the workers and write here what comes back; or let the workers read and
-        write the client's paths. None: the latter, until a worker does not see them.
-    ca, certificate, key
-        Files in PEM for a scheduler that speaks TLS alone (`tls://host:8786`): the authority's
-        certificate, and the client's own with its key. All are given, or none.
-    """
-
-    address: str
-    ship: bool | None = None
-    ca: str = ""
-    certificate: str = ""
-    key: str = ""
 
 
 class ClusterPool:
@@ -100,8 +76,8 @@ class ClusterPool:
 
     def __enter__(self) -> ClusterPool:
         try:
-            self._connect()
-            self._require_equal_workers()
+            self._client = connect(self.cluster, self._open)
+            self._processors = require_equal_workers(self._client, self._versions)
             self._set_mark()
         except BaseException:
             self._open.close()
@@ -134,7 +110,7 @@ class ClusterPool:
         """Hand out a photo."""
         try:
             status = task.source.stat()
-            shippable = status.st_size <= _LARGEST
+            shippable = status.st_size <= LARGEST
             photo = task.source.read_bytes() if self.shipping and shippable else None
         except OSError:
             self._answers.append((task, self._here(task)))
@@ -200,24 +176,14 @@ class ClusterPool:
         finally:
             future.release()
         if not isinstance(delivery, Delivery) or not isinstance(delivery.unlike, str):
-            return task, _odd_answer("it is no delivery")
+            return task, odd_answer("it is no delivery")
         if delivery.unlike:
-            raise ClusterError(self._unlike("a worker", plain_text(delivery.unlike)))
+            raise ClusterError(unlike("a worker", plain_text(delivery.unlike)))
         if delivery.result is None:
             self._ship_from_now_on(plain_text(delivery.unseen))
             self.submit(task)
             return task, None
-        return task, self._accepted(task, delivery)
-
-    def _accepted(self, task: Task, delivery: Delivery) -> Result:
-        """What a worker says came of a photo, if it can be; its files, if they were sent."""
-        try:
-            result = checked(task, delivery.result)
-            if self.shipping and not _is_whole(result, delivery.contents):
-                raise ValueError("its files came damaged")
-        except (ValueError, TypeError) as error:
-            return _odd_answer(str(error))
-        return _written(task, result, delivery.contents) if delivery.contents else result
+        return task, accepted(task, delivery, shipped=self.shipping)
 
     def _ship_from_now_on(self, unseen: str) -> None:
         if self.cluster.ship is False:
@@ -236,76 +202,6 @@ class ClusterPool:
                     return result
         raise AssertionError("a pool answers every photo")
 
-    def _connect(self) -> None:
-        import dask  # noqa: PLC0415 - an extra
-        from distributed import Client  # noqa: PLC0415
-
-        # Its warnings tell of what is told here in our own words, or survived.
-        for name in ("distributed", "tornado.application", *logging.root.manager.loggerDict):
-            if name.startswith(("distributed", "tornado")):
-                logger = logging.getLogger(name)
-                self._open.callback(logger.setLevel, logger.level)
-                logger.setLevel(logging.CRITICAL + 1)
-        self._open.enter_context(
-            dask.config.set({"distributed.admin.large-graph-warning-threshold": _LARGEST * 2})
-        )
-        address = self.cluster.address
-        try:
-            client = Client(
-                address,
-                timeout=_REACH,
-                set_as_default=False,
-                name="facecrf",
-                security=self._security(),
-            )
-        except (OSError, ValueError, TypeError) as error:
-            speaks = "" if self.cluster.ca else ", and whether it speaks TLS alone (--tls-ca)"
-            raise ClusterError(
-                f"{address}: no Dask scheduler answers there; start one with `dask scheduler`, or "
-                f"check the address{speaks}"
-            ) from error
-        self._client = client
-        self._open.callback(client.close, timeout=_REACH)
-        try:
-            client.wait_for_workers(1, timeout=_FIRST)
-        except TimeoutError:
-            raise ClusterError(
-                f"{address}: has no workers; start some with `dask worker {address}`"
-            ) from None
-
-    def _security(self) -> Any:
-        """What the client shows and asks for; None without TLS."""
-        from distributed import Security  # noqa: PLC0415 - an extra
-
-        cluster = self.cluster
-        if not cluster.ca:
-            return None
-        for path in (cluster.ca, cluster.certificate, cluster.key):
-            if not os.access(path, os.R_OK):
-                raise SettingsError(f"{path}: cannot be read; name a file in PEM")
-        return Security(
-            tls_ca_file=cluster.ca,
-            tls_client_cert=cluster.certificate,
-            tls_client_key=cluster.key,
-            require_encryption=True,
-        )
-
-    def _require_equal_workers(self) -> None:
-        kinds = set()
-        for worker, there in self._client.run(_asker(), on_error="return").items():
-            if isinstance(there, dict):
-                kinds.add(plain_text(there.pop("processor", "")))
-            if not isinstance(there, dict):
-                problem = f"facecrf-ocio cannot be imported there ({there})"
-            else:
-                problem = difference(self._versions, there)
-            if problem:
-                raise ClusterError(self._unlike(worker, problem))
-        self._processors = frozenset(kinds)
-
-    def _unlike(self, worker: str, problem: str) -> str:
-        return f"{worker}: {problem}; install the same versions on all machines, outputs differ"
-
     def _set_mark(self) -> None:
         folder = self._mark.parent
         for former in folder.glob(f"{_MARK}*"):  # of a run that was killed
@@ -322,52 +218,3 @@ class ClusterPool:
     def _require_connection(self) -> None:
         if self._client.status != "running":
             raise ClusterError(f"{self.cluster.address}: the scheduler was lost; {_GO_ON}")
-
-
-def _asker() -> Any:
-    """A function that travels as code, so that a worker without this package can answer, too."""
-
-    def told() -> dict[str, str] | str:
-        try:
-            from facecrf_ocio.files.processor import processor  # noqa: PLC0415
-            from facecrf_ocio.files.versions import versions  # noqa: PLC0415
-        except ImportError as error:
-            return str(error)
-        return {**versions(), "processor": processor()}
-
-    return told
-
-
-def _odd_answer(problem: str) -> Result:
-    remedy = "look at the cluster's workers, and start again"
-    reason = f"a worker gave an answer that cannot be: {problem}"
-    return Result(FAILED, reason=plain_text(reason), remedy=remedy, lasting=False)
-
-
-def _is_whole(result: Result, contents: object) -> bool:
-    """Whether the bytes of all outputs are there, and none else."""
-    if not isinstance(contents, tuple) or len(contents) != len(result.outputs):
-        return False
-    return all(
-        isinstance(content, bytes)
-        and len(content) == output.size
-        and hashlib.sha256(content).hexdigest() == output.sha256
-        for output, content in zip(result.outputs, contents, strict=True)
-    )
-
-
-def _written(task: Task, result: Result, contents: tuple[bytes, ...]) -> Result:
-    """Write what a worker sent."""
-    from facecrf_ocio.archive.work.one_photo import failure_of  # noqa: PLC0415 - heavy
-
-    try:
-        paths = [task.place.inside(output.name) for output in result.outputs]
-        make_folder(paths[0].parent)
-        drafts = [
-            Draft(path, content, lambda _: None)
-            for path, content in zip(paths, contents, strict=True)
-        ]
-        write_files(drafts, overwrite=task.overwrite)
-    except (OutputError, OSError) as error:
-        return failure_of(error)
-    return result

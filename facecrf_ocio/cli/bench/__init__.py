@@ -1,0 +1,1 @@
+"""`facecrf bench`: one file a command, and what they share."""
