@@ -38,6 +38,25 @@ class OutputError(FaceCRFError):
     """An output cannot be written: it exists, its folder is missing, or the disk refused it."""
 
 
+class ExistsError(OutputError):
+    """A file is there already, and nobody allowed to replace it.
+
+    Its text says how Python allows it; a command has a flag of its own to name.
+
+    Parameters
+    ----------
+    target
+        The file.
+    problem
+        What is wrong, without a final period.
+    """
+
+    def __init__(self, target: Path, problem: str = "exists already") -> None:
+        self.target = target
+        self.problem = problem
+        super().__init__(f"{target}: {problem}; pass overwrite=True to replace it")
+
+
 class SettingsError(FaceCRFError):
     """A setting or an argument is outside of what it may be."""
 

@@ -81,3 +81,10 @@ def test_the_zip_is_the_same_each_time_and_holds_the_license(tmp_path):
     names = zipfile.ZipFile(first).namelist()
     assert {"__init__.py", "blender_manifest.toml", "LICENSE"} <= set(names)
     assert not any("/" in name for name in names)
+
+
+def test_an_exr_in_the_way_is_told_in_words_that_fit_blender(command, tmp_path):
+    (tmp_path / "a.exr").write_bytes(b"mine")
+    work = command.linearize("facecrf", tmp_path / "a.jpg", tmp_path / "a.exr", "auto")
+    with pytest.raises(command.CommandError, match=r"a\.exr: exists already; choose another"):
+        next(work)

@@ -101,7 +101,7 @@ def test_a_file_that_is_there_is_kept(tmp_path: Path, writing: Writing, way: str
     (tmp_path / "b.exr").write_text("mine")
     code, told = writing(way, tmp_path / "b.exr")
     assert (code, told.count("\n")) == (1, 1)
-    assert "b.exr: exists already; pass --overwrite" in told
+    assert "b.exr: exists already; pass --overwrite to replace it" in told
     assert (tmp_path / "b.exr").read_text() == "mine"
     assert names_in(tmp_path) == {"a.png", "a.spi1d", "b.exr"}
     assert writing(way, tmp_path / "b.exr", "--overwrite")[0] == 0

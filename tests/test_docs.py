@@ -23,6 +23,20 @@ def test_links_lead_somewhere(page):
     assert [link for link in inside if not (page.parent / link).exists()] == []
 
 
+def test_the_floor_plan_names_every_room():
+    plan = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").split("## Words")[0]
+    package = ROOT / "facecrf_ocio"
+    rooms = {f"{p.parent.name}/" for p in package.glob("*/__init__.py")}
+    modules = {p.name for p in package.glob("*.py") if p.name != "__init__.py"}
+    named = set(re.findall(r"`([a-z_]+(?:/|\.py))`", plan))
+    assert (rooms | modules) - named == set()
+    assert {name for name in named if not (package / name).exists()} == {
+        "nodes/",
+        "luts/",
+        "examples/",
+    }
+
+
 def test_every_page_is_in_a_table_of_contents():
     listed = "\n".join(p.read_text(encoding="utf-8") for p in (ROOT / "docs").rglob("*.md"))
     pages = [p for p in (ROOT / "docs").rglob("*.md") if p.name != "index.md"]

@@ -73,7 +73,7 @@ def test_a_failed_check_leaves_everything_as_it_was(tmp_path: Path, overwrite: b
 
 def test_one_existing_file_keeps_all_from_being_written(tmp_path: Path) -> None:
     (tmp_path / "b.x").write_bytes(b"former")
-    with pytest.raises(OutputError, match=r"b\.x: exists already; pass --overwrite"):
+    with pytest.raises(OutputError, match=r"b\.x: exists already; pass overwrite=True"):
         write_files(drafts(tmp_path, "a.x", "b.x"))
     assert contents(tmp_path) == {"b.x": b"former"}
 
@@ -90,7 +90,7 @@ def test_a_file_that_appears_meanwhile_is_not_clobbered(
 
     listed = [*drafts(tmp_path, "a.x"), Draft(tmp_path / "b.x", b"ours", be_overtaken)]
     with pytest.raises(
-        OutputError, match=r"b\.x: cannot be written: file exists; pass --overwrite"
+        OutputError, match=r"b\.x: cannot be written: file exists; pass overwrite=True"
     ):
         write_files(listed)
     assert contents(tmp_path) == {"b.x": b"another process"}

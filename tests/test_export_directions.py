@@ -107,7 +107,7 @@ def test_what_a_format_cannot_hold_is_refused(tmp_path: Path) -> None:
 def test_an_existing_file_stays(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"a.{suffix}"
     path.write_bytes(b"former")
-    with pytest.raises(OutputError, match="exists already; pass --overwrite"):
+    with pytest.raises(OutputError, match="exists already; pass overwrite=True"):
         write_lut(CURVE, path)
     assert path.read_bytes() == b"former"
     assert list(tmp_path.iterdir()) == [path]

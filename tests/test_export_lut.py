@@ -313,7 +313,7 @@ def test_unknown_formats_are_refused(name: str, tmp_path: Path) -> None:
 def test_an_existing_file_stays_unless_overwriting_is_asked_for(tmp_path: Path) -> None:
     path = write_lut(curve_of(NODES**2), tmp_path / "a.spi1d")
     before = path.read_bytes()
-    with pytest.raises(OutputError, match=r"a\.spi1d: exists already; pass --overwrite"):
+    with pytest.raises(OutputError, match=r"a\.spi1d: exists already; pass overwrite=True"):
         write_lut(curve_of(NODES**3), path)
     assert path.read_bytes() == before
     write_lut(curve_of(NODES**3), path, overwrite=True)

@@ -81,7 +81,7 @@ def test_without_a_curve_there_is_only_the_sidecar(tmp_path: Path) -> None:
 @pytest.mark.parametrize("existing", ["a.spi1d", "a.cube", "a.clf", "a.crf.json"])
 def test_nothing_is_written_where_one_file_exists(existing: str, tmp_path: Path) -> None:
     (tmp_path / existing).write_bytes(b"mine")
-    with pytest.raises(OutputError, match=rf"{existing}: exists already; pass --overwrite"):
+    with pytest.raises(OutputError, match=rf"{existing}: exists already; pass overwrite=True"):
         write(tmp_path)
     assert contents(tmp_path) == {existing: b"mine"}
 

@@ -316,7 +316,7 @@ def test_any_name_of_a_photo_comes_back(name: str, tmp_path: Path) -> None:
 
 def test_an_existing_sidecar_stays_unless_overwriting_is_asked_for(tmp_path: Path) -> None:
     path = write_sidecar(tmp_path / "a.crf.json", photo(), not_calibrated(), Settings())
-    with pytest.raises(OutputError, match=r"a\.crf\.json: exists already; pass --overwrite"):
+    with pytest.raises(OutputError, match=r"a\.crf\.json: exists already; pass overwrite=True"):
         write_sidecar(path, photo(), estimate(), Settings())
     assert read_sidecar(path).estimate.found is None
     write_sidecar(path, photo(), estimate(), Settings(), overwrite=True)

@@ -408,7 +408,7 @@ class TestCommandRefuses:
         target = tmp_path / "b.exr"
         target.write_text("mine")
         assert command(source, "--lut", lut, "-o", target) == 1
-        assert "b.exr: exists already; pass --overwrite" in self.told(capsys)
+        assert "b.exr: exists already; pass --overwrite to replace it\n" in self.told(capsys)
         assert target.read_text() == "mine"
         assert command(source, "--lut", lut, "-o", target, "--overwrite") == 0
         assert oiio.ImageBuf(str(target)).spec().width == random_codes().shape[1]

@@ -13,7 +13,7 @@ from facecrf_ocio.color.srgb import decode_srgb
 from facecrf_ocio.values import InStops
 from facecrf_ocio.wording.expectation import expectation
 from facecrf_ocio.wording.explanations import TOPICS, explanation
-from facecrf_ocio.wording.sentence import ANYWHERE, COMMAND_LINE, PYTHON, sentence
+from facecrf_ocio.wording.sentence import ANYWHERE, COMMAND_LINE, PYTHON, remedy, sentence
 
 CODES = np.linspace(0.0, 1.0, 1024)
 
@@ -72,6 +72,13 @@ def test_flags_are_told_on_the_command_line_alone():
     with pytest.raises(NotCalibratedError, match='fallback="mean"') as caught:
         _ = NOTHING.curve
     assert "--" not in str(caught.value)
+
+
+def test_a_photo_that_gives_nothing_has_a_remedy_that_its_surface_offers():
+    lacking = Estimate(Outcome.NOT_CALIBRATED, "rank", "no edges were found", "use a sharp photo")
+    assert remedy(lacking) == "use a sharp photo, or the mean response instead"
+    assert remedy(lacking, PYTHON) == 'use a sharp photo, or fallback="mean"'
+    assert remedy(lacking, COMMAND_LINE) == "use a sharp photo, or --fallback mean"
 
 
 def test_linear_files_need_nothing():

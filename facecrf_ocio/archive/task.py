@@ -191,3 +191,4 @@ class Result:
 
 
 FAILED = "failed"
+REPLACE = "pass --overwrite to replace it"  # what a batch says of a file in the way

@@ -15,7 +15,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from facecrf_ocio.errors import FaceCRFError, LutError, OutputError, PhotoError, SettingsError
+from facecrf_ocio.errors import (
+    ExistsError,
+    FaceCRFError,
+    LutError,
+    OutputError,
+    PhotoError,
+    SettingsError,
+)
 from facecrf_ocio.files.plain_text import plain_text
 
 if TYPE_CHECKING:
@@ -66,6 +73,8 @@ def problem_of(error: Exception) -> str:
 
     With FACECRF_DEBUG in the environment that one is raised again, for whoever looks for its place.
     """
+    if isinstance(error, ExistsError):
+        return f"{error.target}: {error.problem}; pass --overwrite to replace it"
     if isinstance(error, FaceCRFError):
         return str(error)
     if isinstance(error, MemoryError):

@@ -1,1 +1,1 @@
-"""One curve of a clip: frames chosen over time, evidence pooled, drift told."""
+"""One curve of a clip: frames chosen over time, their evidence together, drift told."""

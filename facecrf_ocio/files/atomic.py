@@ -9,7 +9,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from facecrf_ocio.errors import OutputError, reason_of
+from facecrf_ocio.errors import ExistsError, OutputError, reason_of
 
 _REMEDIES = {
     errno.ENOSPC: "free some space or write to another disk",
@@ -21,7 +21,6 @@ _REMEDIES = {
     errno.ENOENT: "create the folder first",
     errno.ENOTDIR: "choose a folder, not a file",
     errno.ENAMETOOLONG: "choose a shorter name",
-    errno.EEXIST: "pass --overwrite (overwrite=True) to replace it",
 }
 _NO_FOLDER_SYNC = (errno.EACCES, errno.EINVAL, errno.ENOTSUP, errno.EPERM, errno.EISDIR)
 
@@ -55,9 +54,10 @@ def write_files(drafts: Sequence[Draft], *, overwrite: bool = False) -> tuple[Pa
 
     Raises
     ------
+    ExistsError
+        If a target exists and `overwrite` is false, also if it came to exist meanwhile.
     OutputError
-        If a target exists and `overwrite` is false (also if it came to exist meanwhile), if it is
-        not a regular file, or if the system refuses to write it.
+        If a target is not a regular file, or if the system refuses to write it.
     """
     for draft in drafts:
         require_free(draft.target, overwrite=overwrite)
@@ -75,13 +75,13 @@ def write_files(drafts: Sequence[Draft], *, overwrite: bool = False) -> tuple[Pa
 
 
 def require_free(target: Path, *, overwrite: bool) -> None:
-    """Raise OutputError unless a file may be written at `target`."""
+    """Raise ExistsError or OutputError unless a file may be written at `target`."""
     with _naming(target):
         taken = os.path.lexists(target)
         if taken and target.exists() and not target.is_file():
             raise OutputError(f"{target}: is not a regular file; choose another name")
     if taken and not overwrite:
-        raise OutputError(f"{target}: exists already; {_REMEDIES[errno.EEXIST]}")
+        raise ExistsError(target)
 
 
 def _temporary_name(target: Path) -> Path:
@@ -176,6 +176,8 @@ def _naming(target: Path) -> Iterator[None]:
     """Turn the system's error into one line that names the target and what to do."""
     try:
         yield
+    except FileExistsError as error:
+        raise ExistsError(target, f"cannot be written: {reason_of(error)}") from error
     except OSError as error:
         problem = reason_of(error)
         remedy = _REMEDIES.get(error.errno or 0, "choose another folder")

@@ -149,6 +149,8 @@ def calibrate(command: str, photo: Path, estimator: str, space: str) -> Work:
 
 def linearize(command: str, photo: Path, exr: Path, estimator: str) -> Work:
     """Write one photo as a scene-linear EXR, or raise CommandError."""
+    if exr.exists():
+        raise CommandError(f"{exr}: exists already; choose another folder, or remove it")
     options = ["-o", str(exr), "--estimator", estimator]
     answer = yield Running(command, ["linearize", *options, "--", str(photo)])
     if answer.code or not exr.is_file():

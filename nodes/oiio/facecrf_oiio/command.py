@@ -13,7 +13,14 @@ from typing import Any, NoReturn
 
 import OpenImageIO as oiio  # noqa: N813
 
-from facecrf_ocio.errors import FaceCRFError, LutError, OutputError, PhotoError, SettingsError
+from facecrf_ocio.errors import (
+    ExistsError,
+    FaceCRFError,
+    LutError,
+    OutputError,
+    PhotoError,
+    SettingsError,
+)
 from facecrf_ocio.files.atomic import require_free
 from facecrf_ocio.image.lookup import Lookup
 from facecrf_ocio.image.lut_lookup import lut_lookup
@@ -40,11 +47,17 @@ def run(arguments: Sequence[str] | None = None) -> int:
     try:
         _convert(given)
     except (FaceCRFError, MemoryError) as error:
-        told = str(error) or "not enough memory; use a smaller image or --roi"
+        told = _told(error)
         line = re.sub(r"[\x00-\x1f\x7f-\x9f]", lambda found: f"\\x{ord(found[0]):02x}", told)
         print(f"facecrf-oiio: {line}", file=sys.stderr)
         return next((code for kind, code in _CODES.items() if isinstance(error, kind)), 1)
     return 0
+
+
+def _told(error: Exception) -> str:
+    if isinstance(error, ExistsError):
+        return f"{error.target}: {error.problem}; pass --overwrite to replace it"
+    return str(error) or "not enough memory; use a smaller image or --roi"
 
 
 class _Parser(argparse.ArgumentParser):
