@@ -251,3 +251,17 @@ class TestSceneLinear:
         pixels[3, 4, 1] = bad
         with pytest.raises(PhotoError, match="NaN or infinite"):
             read_photo(write(tmp_path / "a.exr", pixels, oiio.FLOAT))
+
+
+def test_names_of_channels_that_are_no_text_are_told_as_text(tmp_path):
+    pixels = np.zeros((4, 4, 3), np.float32)
+    image = oiio.ImageBuf(oiio.ImageSpec(4, 4, 3, oiio.FLOAT))
+    image.set_pixels(oiio.ROI(), pixels)
+    image.specmod().channelnames = ("R", "G", "Q")
+    path = tmp_path / "a.exr"
+    assert image.write(str(path))
+    path.write_bytes(path.read_bytes().replace(b"Q\0", b"\xc7\0"))
+    with pytest.raises(PhotoError, match="no R, G and B") as caught:
+        read_photo(path)
+    assert "\xc7" in str(caught.value)
+    str(caught.value).encode()

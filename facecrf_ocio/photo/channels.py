@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.files.plain_text import plain_text
 
 
 def color_channels(path: Path, spec: Any) -> list[int]:
@@ -21,7 +22,7 @@ def color_channels(path: Path, spec: Any) -> list[int]:
         return color
     raise PhotoError(
         path,
-        f"has the channels {', '.join(spec.channelnames)}, but no R, G and B",
+        f"has the channels {plain_text(', '.join(spec.channelnames))}, but no R, G and B",
         "save its color channels as R, G, B",
     )
 

@@ -17,7 +17,7 @@ from facecrf_ocio.joint.windows import SIDE, Window, face_windows, photo_windows
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.training.before_camera import Head, stage
 from facecrf_ocio.training.curves import CurveSource, Draw
-from facecrf_ocio.training.draw_process import draw_process
+from facecrf_ocio.training.draw_process import FROM_CAMERAS, Shares, draw_process
 from facecrf_ocio.training.layout import Layout, draw_layout, some_windows
 from facecrf_ocio.training.process import Process, Response, photograph
 from facecrf_ocio.values import Float
@@ -64,6 +64,7 @@ def simulate(
     source: CurveSource,
     count: int,
     seed: Sequence[int],
+    shares: Shares = FROM_CAMERAS,
 ) -> Iterator[Example]:
     """Take `count` photos, one head after the other; some show too little skin and are left out."""
     generator = np.random.default_rng(seed)
@@ -71,7 +72,7 @@ def simulate(
         head = heads[number % len(heads)]
         drawn = source.draw(generator, measured=generator.random() < _MEASURED)
         for _ in range(_LOOKS):
-            example = take(head, around, drawn, draw_process(generator), generator)
+            example = take(head, around, drawn, draw_process(generator, shares), generator)
             if example is not None:
                 yield example
                 break

@@ -10,8 +10,9 @@ from pathlib import Path
 import cv2
 
 from facecrf_ocio.training.before_camera import Head, Light, read_head, read_surroundings
+from facecrf_ocio.training.draw_process import FROM_CAMERAS, HARDLY_PROCESSED
 from facecrf_ocio.training.parts import write_part
-from facecrf_ocio.training.plan import Data
+from facecrf_ocio.training.plan import PARTS_FROM_CAMERAS, Data
 from facecrf_ocio.training.simulate import simulate
 
 _PHOTOS = 72  # of each part: two of each of 36 heads
@@ -34,7 +35,8 @@ def simulate_parts(data: Data, folder: Path, parts: int, seed: int, processes: i
 def _make(data: Data, folder: Path, seed: int, part: int) -> None:
     cv2.setNumThreads(1)
     heads, around = _content(data)
-    examples = list(simulate(heads, around, data.curves(), _PHOTOS, [seed, part]))
+    shares = FROM_CAMERAS if part < PARTS_FROM_CAMERAS else HARDLY_PROCESSED
+    examples = list(simulate(heads, around, data.curves(), _PHOTOS, [seed, part], shares))
     write_part(_path(folder, part), examples)
 
 
