@@ -218,6 +218,17 @@ def test_more_evidence_leaves_less_error_to_expect(evidence):
     assert alone.in_stops.shadows < nothing.in_stops.shadows
 
 
+def test_the_error_to_expect_is_what_was_measured_of_such_errors(evidence):
+    as_it_is = replace(shipped_joint(), stops_scale=(1.0, 1.0))
+    raw = conclude(evidence, model=as_it_is)
+    scaled = conclude(evidence, model=replace(as_it_is, stops_scale=(0.5, 0.25)))
+    assert np.array_equal(scaled.curve.linear, raw.curve.linear)
+    assert np.array_equal(scaled.confidence.sigma, raw.confidence.sigma)
+    assert scaled.confidence.in_stops.mid == 0.5 * raw.confidence.in_stops.mid
+    assert scaled.confidence.in_stops.shadows == 0.25 * raw.confidence.in_stops.shadows
+    assert shipped_joint().stops_scale != (1.0, 1.0)
+
+
 def test_weights_stay_small():
     networks = shipped_joint().networks.members
     count = sum(w.size + b.size for m in networks.values() for n in m for w, b in n.layers)

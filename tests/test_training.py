@@ -17,7 +17,7 @@ from facecrf_ocio.synthetic import SyntheticSpec, render_face
 from facecrf_ocio.training.before_camera import dead_leaves, read_head, saturate, stage
 from facecrf_ocio.training.curves import NO_ROW, CurveSource, fold_of_rows, rows_outside
 from facecrf_ocio.training.denoise import Denoiser
-from facecrf_ocio.training.draw_process import draw_process
+from facecrf_ocio.training.draw_process import HARDLY_PROCESSED, draw_process
 from facecrf_ocio.training.layout import draw_layout, some_windows
 from facecrf_ocio.training.parts import Examples, read_parts, write_part
 from facecrf_ocio.training.plan import Data, held_out_names, left_out
@@ -63,6 +63,21 @@ def process():
         mosaic="none", denoise=NOTHING, smooth=NOTHING, sharpen=0.0, scale=1.0, jpeg=0,
         first_jpeg=0, sharpen_small=0.0,
     )  # fmt: skip
+
+
+def untouched(process):
+    """Whether nothing but light, noise and the response made the photo."""
+    steps = (process.blur, process.sharpen, process.jpeg, process.first_jpeg)
+    kept = {process.denoise.kind, process.smooth.kind, process.mosaic} == {"none"}
+    return kept and not any(steps) and process.scale == 1.0
+
+
+def test_some_photos_are_hardly_processed_and_all_are_exposed_alike():
+    drawn = [draw_process(np.random.default_rng([7, n]), HARDLY_PROCESSED) for n in range(1000)]
+    ordinary = [draw_process(np.random.default_rng([7, n])) for n in range(1000)]
+    assert 150 < sum(map(untouched, drawn)) < 350
+    assert sum(map(untouched, ordinary)) < 10
+    assert [p.stops for p in drawn] == [p.stops for p in ordinary]
 
 
 def test_drawn_responses_are_responses(source):
@@ -251,14 +266,17 @@ def test_what_is_fitted_can_be_loaded_and_asked(head, around, source, tmp_path):
 
 def test_the_band_of_packed_weights_can_be_set(tmp_path):
     for name in ("a", "b"):
-        np.savez(tmp_path / f"{name}.npz", band_scale=1.0, made_by="{}", prior_mean=np.arange(3.0))
+        arrays = {"band_scale": 1.0, "stops_scale": np.ones(2), "prior_mean": np.arange(3.0)}
+        np.savez(tmp_path / f"{name}.npz", made_by="{}", **arrays)
     pack(tmp_path / "all.npz", {name: tmp_path / f"{name}.npz" for name in ("a", "b")})
-    with_band(tmp_path / "all.npz", 1.3, "by a test")
+    with_band(tmp_path / "all.npz", 1.304, (0.9, 0.7), "by a test")
     with np.load(tmp_path / "all.npz") as stored:
         assert set(stored.files) == {
-            f"{n}/{k}" for n in ("a", "b") for k in ("band_scale", "made_by", "prior_mean")
+            f"{name}/{key}" for name in ("a", "b") for key in (*arrays, "made_by")
         }
         assert float(stored["b/band_scale"]) == 1.3
+        assert stored["a/stops_scale"].tolist() == [0.9, 0.7]
+        assert stored["b/prior_mean"].tolist() == [0.0, 1.0, 2.0]
         assert json.loads(str(stored["a/made_by"])) == {"band_measured": "by a test"}
 
 

@@ -46,11 +46,15 @@ class JointModel:
     band_scale
         Factor on the posterior's deviation that makes bands cover as they say, measured on heads
         that were not trained on.
+    stops_scale
+        Factors on the expected errors in stops over codes 64 to 235 and 16 to 64, measured on the
+        same: light near black is far from Gaussian in stops.
     """
 
     prior: FamilyPrior
     networks: Networks
     band_scale: float = 1.0
+    stops_scale: tuple[float, float] = (1.0, 1.0)
 
 
 def load_joint(path: Path) -> JointModel:
@@ -61,7 +65,13 @@ def load_joint(path: Path) -> JointModel:
 
 def joint_of(arrays: Mapping[str, Float]) -> JointModel:
     """The model in the arrays of a file of weights."""
-    return JointModel(prior_of(arrays), networks_of(arrays), float(arrays["band_scale"]))
+    scales = arrays.get("stops_scale", np.ones(2))
+    return JointModel(
+        prior_of(arrays),
+        networks_of(arrays),
+        float(arrays["band_scale"]),
+        (float(scales[0]), float(scales[1])),
+    )
 
 
 @cache
@@ -190,10 +200,10 @@ def _confidence(
     sigma = np.tile(model.band_scale * sigma, (len(CHANNELS), 1))
     if not telling:
         nothing = "nothing in the photo was used: this is the prior's mean and spread"
-        in_stops, _ = judge(posterior, found, prior, model.band_scale)
+        in_stops, _ = judge(posterior, found, prior, model.band_scale, model.stops_scale)
         nowhere = np.zeros_like(sigma)
         return Confidence(sigma, nowhere, Verdict.PRIOR_ONLY, (nothing,), in_stops)
     total = np.sum([e.coverage for e in telling], axis=0)
     coverage = np.array([coverage_at(found.encoded, counts) for counts in total])
-    in_stops, nearer = judge(posterior, found, prior, model.band_scale)
+    in_stops, nearer = judge(posterior, found, prior, model.band_scale, model.stops_scale)
     return Confidence(sigma, coverage, verdict_of(in_stops), (), in_stops, nearer, outvoted)

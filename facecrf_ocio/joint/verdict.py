@@ -6,6 +6,8 @@ sRGB is a statement of its own, `Confidence.differs_from_srgb`.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from facecrf_ocio.color.srgb import decode_srgb
@@ -26,7 +28,11 @@ def verdict_of(expected: InStops) -> Verdict:
 
 
 def judge(
-    posterior: Posterior, found: InverseCRF, prior: FamilyPrior, band_scale: float
+    posterior: Posterior,
+    found: InverseCRF,
+    prior: FamilyPrior,
+    band_scale: float,
+    stops_scale: tuple[float, float],
 ) -> tuple[InStops, float]:
     """The expected error, and the share of possible curves that `found` is nearer to than sRGB.
 
@@ -38,13 +44,16 @@ def judge(
         The curve of its mean.
     prior
         What coefficients mean.
-    band_scale
-        How much too narrow the posterior is.
+    band_scale, stops_scale
+        As `JointModel` explains.
     """
     draws = rising(_draws(posterior, prior, band_scale))
     estimate = found.linear[0]
     srgb = decode_srgb(found.encoded)
-    return expected_of_draws(estimate, draws), share_nearer(estimate, srgb, draws)
+    told = expected_of_draws(estimate, draws)
+    mid, shadows = stops_scale
+    told = replace(told, mid=mid * told.mid, shadows=shadows * told.shadows)
+    return told, share_nearer(estimate, srgb, draws)
 
 
 def _draws(posterior: Posterior, prior: FamilyPrior, band_scale: float) -> Float:

@@ -86,18 +86,22 @@ def fit_command(folder: Path, data: Path, without: str | None, **choices: Any) -
 @click.argument("held_out", type=_FILE)
 @click.option("--photos", default=400, show_default=True)
 @click.option("--seed", default=2, show_default=True)
-@click.option("--write", multiple=True, type=_FILE, help="Weights to set the factor in.")
+@click.option("--write", multiple=True, type=_FILE, help="Weights to set the factors in.")
 def band_command(
     data: Path, held_out: Path, photos: int, seed: int, write: tuple[Path, ...]
 ) -> None:
-    """Measure the band's factor on the heads `dev_*`, each response by weights without it."""
+    """Measure the band's factors on the heads `dev_*`, each response by weights without it."""
     from facecrf_ocio.training.band import measure_band  # noqa: PLC0415
 
-    scale, of_photos = measure_band(Data(data), held_out, photos, seed)
-    click.echo(f"{len(of_photos)} photos: 90 % of all codes within {scale:.3f} of a 90 % band")
+    found = measure_band(Data(data), held_out, photos, seed)
+    click.echo(
+        f"{len(found.of_photos)} photos: 90 % of all codes within {found.band_scale:.3f} of a 90 % "
+        f"band; errors in stops over expected ones {found.stops_scale[0]:.3f} over codes 64 to "
+        f"235, {found.stops_scale[1]:.3f} over 16 to 64"
+    )
     command = f"python -m facecrf_ocio.training band --photos {photos} --seed {seed}"
     for path in write:
-        with_band(path, round(scale, 2), command)
+        with_band(path, found.band_scale, found.stops_scale, command)
 
 
 @main.command("reproduce")

@@ -1,7 +1,8 @@
-"""How much too narrow the posterior is, on heads and responses that weights never saw."""
+"""What the posterior says of its error, against heads and responses that weights never saw."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -13,11 +14,12 @@ from facecrf_ocio.benchmark.responses import read_responses
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude
 from facecrf_ocio.joint.statistics import counted_statistics
 from facecrf_ocio.response.coverage import COVERAGE_BINS
+from facecrf_ocio.response.stops import stops_error, uniform
 from facecrf_ocio.training.before_camera import read_head, read_surroundings
 from facecrf_ocio.training.curves import NO_ROW, Draw, fold_of_rows
 from facecrf_ocio.training.plan import STACKS, Data
 from facecrf_ocio.training.simulate import Example, simulate
-from facecrf_ocio.values import Float
+from facecrf_ocio.values import Confidence, Float, InverseCRF
 
 COVERED = 0.9  # share of all codes: bands are told as 90 % bands everywhere
 _NORMAL = 1.645  # deviations within which nine of ten normal errors lie
@@ -25,28 +27,43 @@ _HEAPS, _HEAPS_SEED = 8, 99  # others than those of training
 _INSIDE = slice(32, -32)  # of 4096 codes: the ends are known
 
 
-def measure_band(data: Data, held_out: Path, photos: int, seed: int) -> tuple[float, Float]:
-    """Factor on the deviation with which 90 % bands cover 90 % of all codes, and all distances.
+@dataclass(frozen=True, slots=True, eq=False)
+class Measured:
+    """How far what the posterior says of itself is from what is true.
 
-    Photos of the heads `dev_*` through responses, each judged by the weights without its response.
-
-    Returns
-    -------
-    scale, distances
-        And (N,) of each photo, the deviations within which 90 % of its codes lie.
+    Attributes
+    ----------
+    band_scale
+        Factor on the deviation with which 90 % bands cover 90 % of all codes.
+    stops_scale
+        Mean error over the mean expected one, with that factor: over codes 64 to 235, and 16 to 64.
+    of_photos
+        (N,) deviations within which 90 % of each photo's codes lie.
     """
+
+    band_scale: float
+    stops_scale: tuple[float, float]
+    of_photos: Float
+
+
+def measure_band(data: Data, held_out: Path, photos: int, seed: int) -> Measured:
+    """Measure on the heads `dev_*`, each response by the weights that never saw it."""
     cv2.setNumThreads(1)
     heads = [read_head(path, noisy=False) for path in data.development_heads()]
     around = read_surroundings(data.validation_scenes(), _HEAPS, _HEAPS_SEED)
     names = _Names(data)
-    found = []
-    for example in simulate(heads, around, data.curves(), photos, [seed]):
-        if example.drawn.row != NO_ROW:
-            model = held_out_joint(held_out, names.of(example.drawn))
-            found.append(_distances(example, model))
-    every = np.concatenate(found)
-    scale = float(np.quantile(every, COVERED)) / _NORMAL
-    return scale, np.array([np.quantile(one, COVERED) for one in found])
+    taken = [
+        _Taken(_evidence(example, model), model, example.drawn.inverse)
+        for example in simulate(heads, around, data.curves(), photos, [seed])
+        if example.drawn.row != NO_ROW
+        for model in [held_out_joint(held_out, names.of(example.drawn))]
+    ]
+    found = [photo.distances() for photo in taken]
+    scale = float(np.quantile(np.concatenate(found), COVERED)) / _NORMAL
+    errors = np.array([photo.errors(scale) for photo in taken])
+    mid, shadows = errors[:, 0].mean(axis=0) / errors[:, 1].mean(axis=0)
+    distances = np.array([np.quantile(one, COVERED) for one in found])
+    return Measured(scale, (float(mid), float(shadows)), distances)
 
 
 class _Names:
@@ -64,17 +81,40 @@ class _Names:
         return f"modern{self._published[drawn.row]}"
 
 
-def _distances(example: Example, model: JointModel) -> Float:
-    """Absolute errors at all codes, in deviations of the posterior as it is."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Taken:
+    """One photo, the weights without its response, and that."""
+
+    evidence: PhotoEvidence
+    model: JointModel
+    inverse: Float
+
+    def distances(self) -> Float:
+        """Absolute errors at all codes, in deviations of the posterior as it is."""
+        curve, confidence = self._concluded(1.0)
+        truth = np.interp(curve.encoded, np.linspace(0.0, 1.0, self.inverse.size), self.inverse)
+        deviation = np.maximum(confidence.sigma[0], 1e-6)
+        return np.asarray((np.abs(curve.linear[0] - truth) / deviation)[_INSIDE])
+
+    def errors(self, band_scale: float) -> Float:
+        """(2, 2) errors in stops and the expected ones, over the tones and over the shadows."""
+        curve, confidence = self._concluded(band_scale)
+        true = stops_error(uniform(curve)[0], self.inverse)
+        told = confidence.in_stops
+        assert told is not None  # noqa: S101 - `joint` always tells it
+        return np.array([[true.mid, true.shadows], [told.mid, told.shadows]])
+
+    def _concluded(self, band_scale: float) -> tuple[InverseCRF, Confidence]:
+        model = replace(self.model, band_scale=band_scale, stops_scale=(1.0, 1.0))
+        found = conclude([self.evidence], "auto", model)
+        assert found.confidence is not None  # noqa: S101 - `joint` always tells it
+        return found.curve, found.confidence
+
+
+def _evidence(example: Example, model: JointModel) -> PhotoEvidence:
     by_cue = {**counted_statistics(example.photo, example.skin), **example.of_face}
-    evidence = PhotoEvidence(
+    return PhotoEvidence(
         model.networks.messages(by_cue),
         np.ones((3, COVERAGE_BINS)),
         stretch=model.networks.stretch(by_cue),
     )
-    found = conclude([evidence], "auto", model)
-    if found.confidence is None:
-        return np.empty(0)
-    truth = np.interp(found.curve.encoded, np.linspace(0.0, 1.0, 1024), example.drawn.inverse)
-    deviation = np.maximum(found.confidence.sigma[0] / model.band_scale, 1e-6)
-    return np.asarray((np.abs(found.curve.linear[0] - truth) / deviation)[_INSIDE])

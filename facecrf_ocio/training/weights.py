@@ -28,7 +28,6 @@ def save_joint(
     members: Sequence[Mapping[str, Float]],
     familiarity: Familiarity,
     made_by: str,
-    band_scale: float = 1.0,
 ) -> None:
     """Write prior and networks as one .npz, the networks' weights in bytes.
 
@@ -42,8 +41,6 @@ def save_joint(
         Of the statistics in training.
     made_by
         What `describe` tells.
-    band_scale
-        As `JointModel` explains.
     """
     arrays: dict[str, Any] = {
         f"prior_{name}": np.asarray(getattr(prior, name), dtype=np.float32)
@@ -56,7 +53,8 @@ def save_joint(
             arrays[f"{cue}_{number}_{part}"] = value.astype(np.float32 if exact else np.float16)
     arrays |= {
         "ensemble": np.array(len(members)),
-        "band_scale": np.array(band_scale),
+        "band_scale": np.array(1.0),
+        "stops_scale": np.ones(2),
         "made_by": np.array(made_by),
         "familiarity_axes": familiarity.axes.astype(np.float16),
         "familiarity_spread": familiarity.spread.astype(np.float32),
@@ -75,14 +73,24 @@ def pack(path: Path, made: Mapping[str, Path]) -> None:
     _write(path, arrays)
 
 
-def with_band(path: Path, band_scale: float, measured: str) -> None:
-    """Set the band's scale in a file of weights, packed or not, and what it was measured with."""
+def with_band(
+    path: Path, band_scale: float, stops_scale: tuple[float, float], measured: str
+) -> None:
+    """Set what `JointModel` scales errors by in a file of weights, packed or not.
+
+    `measured` is the command that they were measured with.
+    """
+    told = {
+        "band_scale": np.array(round(band_scale, 2)),
+        "stops_scale": np.round(stops_scale, 2),
+    }
     with np.load(path, allow_pickle=False) as stored:
         arrays: dict[str, Any] = {name: stored[name] for name in stored.files}
     for name, value in arrays.items():
-        if name.rpartition("/")[2] == "band_scale":
-            arrays[name] = np.array(band_scale)
-        elif name.rpartition("/")[2] == "made_by":
+        last = name.rpartition("/")[2]
+        if last in told:
+            arrays[name] = told[last]
+        elif last == "made_by":
             made_by = json.loads(str(value) or "{}") | {"band_measured": measured}
             arrays[name] = np.array(json.dumps(made_by, sort_keys=True))
     _write(path, arrays)
