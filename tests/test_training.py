@@ -255,7 +255,7 @@ def test_what_is_fitted_can_be_loaded_and_asked(head, around, source, tmp_path):
     cv2.setNumThreads(1)
     write_part(tmp_path / "part.npz", list(simulate([head], around, source, 300, [2])))
     examples = read_parts([tmp_path / "part.npz"], KINDS)
-    fit.fit_joint(tmp_path / "model.npz", examples, fit.Training(epochs=2, members=1), None)
+    fit.fit_joint(tmp_path / "model.npz", examples, fit.Training(epochs=2, members=1), None, {})
     model = load_joint(tmp_path / "model.npz")
     by_cue = {c: v[0].astype(float) for c, v in examples.by_cue.items() if np.isfinite(v[0]).all()}
     messages = model.networks.messages(by_cue)

@@ -78,7 +78,8 @@ def fit_command(folder: Path, data: Path, without: str | None, **choices: Any) -
     examples = read_parts(paths, source.curves().kind)
     kept = examples if without is None else examples.where(~left_out(without, examples, source))
     training = Training(epochs=choices["epochs"], members=choices["members"])
-    fit_joint(choices["output"], kept, training, without)
+    told = {"parts": len(paths), "data_sha256": source.digests()}
+    fit_joint(choices["output"], kept, training, without, told)
 
 
 @main.command("band")
@@ -126,8 +127,9 @@ def reproduce_command(
     simulate_parts(source, work / "parts", parts, seed, processes)
     paths = sorted((work / "parts").glob("part*.npz"))[:parts]
     examples = read_parts(paths, source.curves().kind)
+    told = {"parts": len(paths), "seed": seed, "data_sha256": source.digests()}
     if not output.exists():
-        fit_joint(output, examples, Training(epochs=EPOCHS, members=MEMBERS), None)
+        fit_joint(output, examples, Training(epochs=EPOCHS, members=MEMBERS), None, told)
     if held_out is None:
         return
     made = {}
@@ -135,7 +137,8 @@ def reproduce_command(
         made[name] = work / f"without_{name}.npz"
         if not made[name].exists():
             kept = examples.where(~left_out(name, examples, source))
-            fit_joint(made[name], kept, Training(epochs=EPOCHS, members=HELD_OUT_MEMBERS), name)
+            training = Training(epochs=EPOCHS, members=HELD_OUT_MEMBERS)
+            fit_joint(made[name], kept, training, name, told)
     pack(held_out, made)
 
 

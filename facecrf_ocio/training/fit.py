@@ -179,8 +179,17 @@ def fit_networks(
     return _arrays(networks, scaling)
 
 
-def fit_joint(path: Path, examples: Examples, training: Training, held_out: str | None) -> None:
-    """Fit prior and networks, and write them with what made them."""
+def fit_joint(
+    path: Path,
+    examples: Examples,
+    training: Training,
+    held_out: str | None,
+    simulated: Mapping[str, Any],
+) -> None:
+    """Fit prior and networks, and write them with what made them.
+
+    `simulated` is what the file shall tell of how the examples were made.
+    """
     torch.set_num_threads(1)
     prior, analysis = fit_prior(np.asarray(examples.inverse, np.float64), examples.family_of_kind)
     members = [
@@ -191,6 +200,7 @@ def fit_joint(path: Path, examples: Examples, training: Training, held_out: str 
         "heads": len(set(examples.head.tolist())),
         "held_out": held_out or "",
         **asdict(training),
+        **simulated,
     }
     save_joint(path, prior, members, fit_familiarity(_standardized(examples)), describe(made))
 

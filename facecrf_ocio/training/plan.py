@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -68,6 +69,15 @@ class Data:
     def scenes(self) -> list[Path]:
         """Real linear pictures around them."""
         return sorted((self.root / "scenes").glob("*.png"))[_VALIDATION_SCENES:]
+
+    def digests(self) -> dict[str, str]:
+        """SHA-256 of each file of responses, and of all heads and of all scenes together."""
+        groups = {path.name: [path] for path in (self.dorf, self.modern, self.stacks)}
+        groups |= {"heads": self.heads(), "scenes": self.scenes()}
+        return {
+            name: hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()
+            for name, paths in groups.items()
+        }
 
     def curves(self) -> CurveSource:
         """All responses; those of the stacks come last."""
