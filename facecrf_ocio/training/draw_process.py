@@ -45,8 +45,8 @@ class Shares:
 
 # By judgment of what cameras, phones and web sites do; no survey of it is known to us.
 FROM_CAMERAS = Shares(0.93, 0.8, 0.75, 0.55, 0.25, 0.35, 0.5, 0.4, 0.88, 0.1)
-# Renders, scans and files of raw converters: most went through one step or none, so that a quarter of
-# them is untouched; of the photos of cameras it is one in 550.
+# Renders, scans and files of raw converters: most went through one step or none, so that a quarter
+# of them is untouched; of the photos of cameras it is one in 550.
 HARDLY_PROCESSED = Shares(0.8, 0.3, 0.3, 0.12, 0.08, 0.15, 0.12, 0.12, 0.4, 0.03)
 
 
