@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import csv
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from photo_files import write
 
+from facecrf_ocio.benchmark import joint_folds
 from facecrf_ocio.benchmark.cases import PAPER, Plan
 from facecrf_ocio.benchmark.cue_shares import run_cues
 from facecrf_ocio.benchmark.images import find_linear_images
@@ -82,7 +84,10 @@ def test_the_command_writes_its_tables(folder, tmp_path):
     assert {"cues.md", "cues.csv", "cues.json"} <= {p.name for p in (tmp_path / "out").iterdir()}
 
 
-def test_what_was_trained_with_is_held_out_by_weights_without_it(folder):
+def test_what_was_trained_with_is_held_out_by_weights_without_it(folder, monkeypatch):
+    # The package may be one that is installed, and these weights are in the checkout.
+    checkout = Path(__file__).parents[1] / "examples" / "results" / "held_out_joint.npz"
+    monkeypatch.setattr(joint_folds, "HELD_OUT", checkout)
     strange = read_responses(folder / "curves.npz")
     assert joint_model(strange, 1) is shipped_joint()
     stacks = replace(strange, sha256=STACKS)
@@ -93,3 +98,10 @@ def test_what_was_trained_with_is_held_out_by_weights_without_it(folder):
         assert len({id(model) for model in (shipped_joint(), *models)}) == FOLDS + 1
         with pytest.raises(SettingsError, match="no weights without this fold"):
             joint_model(known, FOLDS)
+
+
+def test_weights_that_are_not_here_are_missed_in_one_line(folder, tmp_path, monkeypatch):
+    monkeypatch.setattr(joint_folds, "HELD_OUT", tmp_path / "none.npz")
+    known = replace(read_responses(folder / "curves.npz"), sha256=STACKS)
+    with pytest.raises(SettingsError, match="come with a checkout of the project"):
+        joint_model(known, 0)

@@ -285,7 +285,7 @@ def test_weights_are_stored_in_bytes_and_read_to_half_a_step(tmp_path):
     exact[3] = 0.0
     np.savez(tmp_path / "a.npz", noise_0_weight0=exact, noise_0_bias0=exact[0], band_scale=1.0)
     pack(tmp_path / "all.npz", {"a": tmp_path / "a.npz"})
-    with_band(tmp_path / "all.npz", 1.3, "by a test")  # what is in bytes stays as it is
+    with_band(tmp_path / "all.npz", 1.3, (1.0, 1.0), "by a test")  # what is in bytes stays as it is
     with np.load(tmp_path / "all.npz") as stored:
         assert stored["a/noise_0_weight0"].dtype == np.int8
         assert stored["a/noise_0_bias0"].dtype == np.float64

@@ -32,7 +32,7 @@ def judge(
     found: InverseCRF,
     prior: FamilyPrior,
     band_scale: float,
-    stops_scale: tuple[float, float],
+    stops_scale: tuple[float, float] = (1.0, 1.0),
 ) -> tuple[InStops, float]:
     """The expected error, and the share of possible curves that `found` is nearer to than sRGB.
 
