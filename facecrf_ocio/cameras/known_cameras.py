@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
-from functools import cache
+from functools import cache, lru_cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import click
 import numpy as np
 
 from facecrf_ocio.errors import FaceCRFError, LutError, OutputError
 from facecrf_ocio.files.atomic import Draft, write_files
-from facecrf_ocio.record.sidecar import Sidecar
 from facecrf_ocio.response.model import inverse_crf
-from facecrf_ocio.values import Confidence, Float, InverseCRF
+from facecrf_ocio.values import InverseCRF
 
 POINTS = 256
 """Code values at which a registry keeps a curve."""
-MEASURED = ("pair", "bracket", "chart")
-"""Estimators that measure; what others found in a photo is no measurement of a camera."""
 FORMAT = "facecrf cameras 1"
 
 
@@ -72,6 +71,27 @@ def shipped_cameras() -> tuple[KnownCamera, ...]:
     return _parsed(path, path.read_text(encoding="utf-8"))
 
 
+def registry_path() -> Path:
+    """The user's registry; FACECRF_CAMERAS names another."""
+    named = os.environ.get("FACECRF_CAMERAS")
+    return Path(named) if named else Path(click.get_app_dir("facecrf")) / "cameras.json"
+
+
+def known_cameras() -> tuple[KnownCamera, ...]:
+    """Those that ship, and the user's own."""
+    path = registry_path()
+    try:
+        changed = path.stat().st_mtime_ns
+    except OSError:
+        return shipped_cameras()
+    return (*shipped_cameras(), *_own(path, changed))
+
+
+@lru_cache(maxsize=4)
+def _own(path: Path, changed: int) -> tuple[KnownCamera, ...]:  # noqa: ARG001 - is another then
+    return read_registry(path)
+
+
 def read_registry(path: Path) -> tuple[KnownCamera, ...]:
     """Read a registry; one that does not exist is empty.
 
@@ -109,44 +129,6 @@ def write_registry(path: Path, cameras: Iterable[KnownCamera], *, overwrite: boo
 def joined(one: Iterable[KnownCamera], other: Iterable[KnownCamera]) -> tuple[KnownCamera, ...]:
     """Entries of both; of the same measurement the other's."""
     return tuple({camera.key: camera for camera in (*one, *other)}.values())
-
-
-def from_record(path: Path, record: Sidecar) -> KnownCamera:
-    """The measurement that a record holds.
-
-    Raises
-    ------
-    LutError
-        If it was not measured, has no curve, or does not name its camera.
-    """
-    estimate = record.estimate
-    if estimate.estimator not in MEASURED or estimate.found is None:
-        raise LutError(
-            f"{path}: holds an estimate by {estimate.estimator!r}, and no measurement; add records "
-            "of facecrf pair, bracket or chart"
-        )
-    camera = record.source.camera
-    if not camera.model:
-        raise LutError(f"{path}: does not name its camera; use photos with EXIF")
-    at = np.linspace(0.0, 1.0, POINTS)
-    rows = tuple(
-        tuple(float(f"{v:.6g}") for v in np.interp(at, estimate.curve.encoded, row))
-        for row in estimate.curve.linear
-    )
-    told = estimate.confidence
-    grade = "B" if told is not None and told.verdict.value == "reliable" else "C"
-    proof = f"{record.source.name} sha256 {record.source.sha256}: {estimate.reason}"
-    spread = 0.1 if told is None else spread_stops(estimate.curve, told)
-    return KnownCamera(
-        camera.make, camera.model, "", estimate.estimator, grade, spread, proof, rows
-    )
-
-
-def spread_stops(curve: InverseCRF, told: Confidence) -> float:
-    """[stop] of green, over codes 32 to 235."""
-    inside = (curve.encoded >= 32 / 255) & (curve.encoded <= 235 / 255)
-    relative: Float = told.sigma[1, inside] / np.maximum(curve.linear[1, inside], 1e-6)
-    return float(f"{np.sqrt((relative**2).mean()) / np.log(2.0):.3g}")
 
 
 def matching(cameras: Iterable[KnownCamera], make: str, model: str) -> tuple[KnownCamera, ...]:

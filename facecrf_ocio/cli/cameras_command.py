@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import click
 
 from facecrf_ocio.cli.options import TEXT_PATH
 from facecrf_ocio.cli.terminal import DONE, NOTHING, complain, ending_well, one_line
-
-
-def registry_path() -> Path:
-    """The user's registry; FACECRF_CAMERAS names another."""
-    named = os.environ.get("FACECRF_CAMERAS")
-    return Path(named) if named else Path(click.get_app_dir("facecrf")) / "cameras.json"
 
 
 @click.group(invoke_without_command=True)
@@ -30,7 +23,7 @@ def cameras(context: click.Context) -> None:
 @ending_well
 def list_cameras(name: str) -> int:
     """List those whose make or model has NAME in it: grade, spread in stops, method, proof."""
-    from facecrf_ocio.cameras.known_cameras import read_registry, shipped_cameras
+    from facecrf_ocio.cameras.known_cameras import read_registry, registry_path, shipped_cameras
 
     own = read_registry(registry_path())
     found = [
@@ -59,11 +52,12 @@ def list_cameras(name: str) -> int:
 def add(records: tuple[Path, ...]) -> int:
     """Add what facecrf pair, bracket or chart have measured (NAME.crf.json)."""
     from facecrf_ocio.cameras.known_cameras import (
-        from_record,
         joined,
         read_registry,
+        registry_path,
         write_registry,
     )
+    from facecrf_ocio.record.measured import from_record
     from facecrf_ocio.record.sidecar import read_sidecar
 
     new = [from_record(path, read_sidecar(path)) for path in records]
@@ -80,7 +74,7 @@ def add(records: tuple[Path, ...]) -> int:
 @ending_well
 def export(target: Path, overwrite: bool) -> int:
     """Write your registry to FILE, for others to merge."""
-    from facecrf_ocio.cameras.known_cameras import read_registry, write_registry
+    from facecrf_ocio.cameras.known_cameras import read_registry, registry_path, write_registry
 
     own = read_registry(registry_path())
     if not own:
@@ -95,7 +89,12 @@ def export(target: Path, overwrite: bool) -> int:
 @ending_well
 def merge_registries(sources: tuple[Path, ...]) -> int:
     """Take the cameras of exported FILEs into your registry; of the same measurement, theirs."""
-    from facecrf_ocio.cameras.known_cameras import joined, read_registry, write_registry
+    from facecrf_ocio.cameras.known_cameras import (
+        joined,
+        read_registry,
+        registry_path,
+        write_registry,
+    )
     from facecrf_ocio.errors import LutError
 
     target = registry_path()

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 
+from facecrf_ocio.cameras.known_cameras import KnownCamera, known_cameras
 from facecrf_ocio.joint.evidence import PhotoEvidence
 from facecrf_ocio.joint.fuse import agreeing_shares, average, multiply, widened
+from facecrf_ocio.joint.known_response import KnownResponse, known_response
 from facecrf_ocio.joint.messages import COMBINED, Networks, networks_of
 from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior, prior_of
 from facecrf_ocio.joint.verdict import judge, verdict_of
@@ -86,6 +88,7 @@ def conclude(
     model: JointModel | None = None,
     *,
     names: Sequence[str] | None = None,
+    cameras: Sequence[KnownCamera] | None = None,
 ) -> Estimate:
     """One curve from the evidence of one photo, or of several that one camera took.
 
@@ -99,6 +102,9 @@ def conclude(
         The shipped one by default.
     names
         What the reasons call each photo; its place among them by default.
+    cameras
+        Measured responses, in which the cameras that the files name are looked up; those that ship
+        and the user's own by default.
 
     Returns
     -------
@@ -111,11 +117,14 @@ def conclude(
     called = [name for name, e in zip(names, evidence, strict=True) if e.messages]
     leanings = [(e.leaning, e.phone) for e in telling or evidence] or [(0.0, 0.0)]
     weights = model.prior.weights_for(prior, *np.mean(leanings, axis=0).tolist())
-    posterior, dissent = _pool(dict(zip(called, telling, strict=True)), model.prior, weights)
+    known = _known(telling, model.prior, cameras)
+    named = dict(zip(called, telling, strict=True))
+    posterior, dissent = _pool(named, model.prior, weights, known)
     coefficients = posterior.mean
     curve = strictly_increasing([model.prior.samples(coefficients)] * len(CHANNELS))
     found = inverse_crf(model.prior.grid, curve)
     confidence = _confidence(telling, posterior, found, model, dissent)
+    confidence = _with_cameras(confidence, known, dissent)
     if not telling:
         none = PhotoEvidence({}, np.empty(0), lacking="no photo given")
         first = evidence[0] if evidence else none
@@ -142,6 +151,42 @@ def conclude(
     )
 
 
+def _known(
+    telling: Sequence[PhotoEvidence],
+    prior: FamilyPrior,
+    cameras: Sequence[KnownCamera] | None,
+) -> dict[tuple[str, str], KnownResponse]:
+    """What was measured of the cameras that the photos name."""
+    listed = known_cameras() if cameras is None else cameras
+    named = {one.camera for one in telling}
+    found = {one: known_response(listed, *one, prior) for one in sorted(named)}
+    return {one: known for one, known in found.items() if known is not None}
+
+
+def _with_cameras(
+    confidence: Confidence,
+    known: Mapping[tuple[str, str], KnownResponse],
+    dissent: Sequence[str],
+) -> Confidence:
+    """Say what was known of the cameras; `weak` where a photo contradicts that."""
+    if not known:
+        return confidence
+    contradicted = {_measured(one) for one in known.values()} & set(dissent)
+    said = [
+        f"the photo contradicts {_measured(one)}: another picture style, or edited"
+        if _measured(one) in contradicted
+        else f"{_measured(one)} counts as evidence"
+        for one in known.values()
+    ]
+    weak = contradicted and confidence.verdict is Verdict.RELIABLE
+    verdict = Verdict.WEAK if weak else confidence.verdict
+    return replace(confidence, verdict=verdict, reasons=(*confidence.reasons, *said))
+
+
+def _measured(known: KnownResponse) -> str:
+    return f"the measured response of {known.name}"
+
+
 def misfit(evidence: PhotoEvidence, estimate: Estimate, model: JointModel | None = None) -> float:
     """How far a photo's own evidence lies from a curve, in standard deviations per coefficient.
 
@@ -151,14 +196,17 @@ def misfit(evidence: PhotoEvidence, estimate: Estimate, model: JointModel | None
     if not evidence.messages or estimate.coefficients is None:
         return 0.0
     weights = model.prior.weights_for("auto", evidence.leaning, evidence.phone)
-    own, _ = _pool({"photo": evidence}, model.prior, weights)
+    own, _ = _pool({"photo": evidence}, model.prior, weights, {})
     offset = own.mean - estimate.coefficients[0]
     distance = float(offset @ np.linalg.solve(own.covariance, offset))
     return float(np.sqrt(distance / offset.size))
 
 
 def _pool(
-    telling: Mapping[str, PhotoEvidence], prior: FamilyPrior, weights: Float
+    telling: Mapping[str, PhotoEvidence],
+    prior: FamilyPrior,
+    weights: Float,
+    known: Mapping[tuple[str, str], KnownResponse],
 ) -> tuple[Posterior, tuple[str, ...]]:
     """What all photos leave of the prior, and which cues or photos the others outvoted.
 
@@ -168,8 +216,11 @@ def _pool(
     of_photos: dict[str, Message] = {}
     outvoted = []
     for name, one in telling.items():
-        shares = agreeing_shares(one.messages, prior, weights)
-        joined = multiply(list(one.messages.values()), [shares[c] for c in one.messages])
+        messages, camera = dict(one.messages), known.get(one.camera)
+        if camera is not None:
+            messages[_measured(camera)] = camera.message
+        shares = agreeing_shares(messages, prior, weights)
+        joined = multiply(list(messages.values()), [shares[c] for c in messages])
         if joined is not None:
             of_photos[name] = joined
         outvoted += [_NAMES.get(cue, cue) for cue, share in shares.items() if share < 0.5]

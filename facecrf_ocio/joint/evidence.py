@@ -8,7 +8,7 @@ curve with its band (`conclusion.py`).
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -53,6 +53,8 @@ class PhotoEvidence:
         Factor on the deviation of what follows: above 1 where training saw no such photo.
     lacking, remedy
         Why the photo says nothing, and what the user can do; empty if it does say something.
+    camera
+        Make and model, as the file names them: what was measured of it is one more message.
     face
         The face used, if any; not stored.
     """
@@ -64,6 +66,7 @@ class PhotoEvidence:
     lacking: str = ""
     remedy: str = ""
     stretch: float = 1.0
+    camera: tuple[str, str] = ("", "")
     face: Face | None = field(default=None, repr=False)
 
     def to_json(self) -> str:
@@ -79,6 +82,7 @@ class PhotoEvidence:
                 "lacking": self.lacking,
                 "remedy": self.remedy,
                 "stretch": self.stretch,
+                "camera": list(self.camera),
             }
         )
 
@@ -105,6 +109,7 @@ class PhotoEvidence:
                 stored["lacking"],
                 stored["remedy"],
                 stored.get("stretch", 1.0),
+                _named(stored.get("camera", ("", ""))),
             )
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise SettingsError(f"no evidence of a photo: {error}") from error
@@ -126,7 +131,15 @@ def gather(
     messages = networks.messages(seen.statistics.by_cue)
     stretch = networks.stretch(seen.statistics.by_cue)
     coverage = _histograms(seen.statistics.encoded)
-    return PhotoEvidence(messages, coverage, *leaning, stretch=stretch, face=seen.face)
+    camera = photo.camera.make, photo.camera.model
+    return PhotoEvidence(
+        messages, coverage, *leaning, stretch=stretch, camera=camera, face=seen.face
+    )
+
+
+def _named(stored: Sequence[str]) -> tuple[str, str]:
+    make, model = stored
+    return str(make), str(model)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,0 +1,53 @@
+"""From the record of a measurement to an entry of the registry of cameras."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from facecrf_ocio.cameras.known_cameras import POINTS, KnownCamera
+from facecrf_ocio.errors import LutError
+from facecrf_ocio.record.sidecar import Sidecar
+from facecrf_ocio.values import Confidence, Float, InverseCRF
+
+MEASURED = ("pair", "bracket", "chart")
+"""Estimators that measure; what others found in a photo is no measurement of a camera."""
+
+
+def from_record(path: Path, record: Sidecar) -> KnownCamera:
+    """The measurement that a record holds.
+
+    Raises
+    ------
+    LutError
+        If it was not measured, has no curve, or does not name its camera.
+    """
+    estimate = record.estimate
+    if estimate.estimator not in MEASURED or estimate.found is None:
+        raise LutError(
+            f"{path}: holds an estimate by {estimate.estimator!r}, and no measurement; add records "
+            "of facecrf pair, bracket or chart"
+        )
+    camera = record.source.camera
+    if not camera.model:
+        raise LutError(f"{path}: does not name its camera; use photos with EXIF")
+    at = np.linspace(0.0, 1.0, POINTS)
+    rows = tuple(
+        tuple(float(f"{v:.6g}") for v in np.interp(at, estimate.curve.encoded, row))
+        for row in estimate.curve.linear
+    )
+    told = estimate.confidence
+    grade = "B" if told is not None and told.verdict.value == "reliable" else "C"
+    proof = f"{record.source.name} sha256 {record.source.sha256}: {estimate.reason}"
+    spread = 0.1 if told is None else spread_stops(estimate.curve, told)
+    return KnownCamera(
+        camera.make, camera.model, "", estimate.estimator, grade, spread, proof, rows
+    )
+
+
+def spread_stops(curve: InverseCRF, told: Confidence) -> float:
+    """[stop] of green, over codes 32 to 235."""
+    inside = (curve.encoded >= 32 / 255) & (curve.encoded <= 235 / 255)
+    relative: Float = told.sigma[1, inside] / np.maximum(curve.linear[1, inside], 1e-6)
+    return float(f"{np.sqrt((relative**2).mean()) / np.log(2.0):.3g}")

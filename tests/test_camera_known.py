@@ -1,0 +1,127 @@
+"""A photo that names a measured camera: that counts, and the photo may contradict it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from facecrf_ocio.benchmark.camera_known import (
+    known_cases,
+    known_markdown,
+    measure_known,
+    model_of,
+)
+from facecrf_ocio.benchmark.images import find_linear_images
+from facecrf_ocio.benchmark.responses import read_responses
+from facecrf_ocio.cameras.known_cameras import (
+    POINTS,
+    KnownCamera,
+    known_cameras,
+    shipped_cameras,
+    write_registry,
+)
+from facecrf_ocio.joint import PhotoEvidence, conclude
+from facecrf_ocio.joint.known_response import STYLES, coefficients, known_response
+from facecrf_ocio.joint.prior import Message, shipped_prior
+from facecrf_ocio.values import Verdict
+
+CODES = np.linspace(0.0, 1.0, POINTS)
+
+
+def camera(exponent, model="One", spread=0.06):
+    row = tuple((CODES**exponent).tolist())
+    return KnownCamera("Acme", model, "", "pair", "A", spread, "by hand", (row, row, row))
+
+
+def said(exponent, precision, model="One"):
+    """Evidence of a photo whose cues point to a power, each coefficient with this precision."""
+    mean = coefficients(camera(exponent), shipped_prior())
+    message = Message(mean, np.full(mean.size, precision))
+    return PhotoEvidence({"grain": message}, np.ones((3, 64)), camera=("Acme Inc.", model))
+
+
+def middle(estimate):
+    return float(np.interp(0.5, estimate.curve.encoded, estimate.curve.linear[0]))
+
+
+def test_a_response_keeps_its_shape_as_coefficients():
+    prior = shipped_prior()
+    for one in shipped_cameras():
+        roots = prior.roots(coefficients(one, prior))
+        truth = np.sqrt(np.interp(prior.grid, one.curve.encoded, one.curve.linear[1]))
+        assert np.sqrt(((roots - truth) ** 2).mean()) < 0.01
+
+
+def test_measurements_of_one_model_are_joined_and_their_styles_are_not_averaged_away():
+    prior = shipped_prior()
+    many = [camera(2.2), camera(2.3), camera(1.0, "Two")]
+    found = known_response(many, "Acme", "one", prior)
+    assert found.name == "Acme One"
+    each = [coefficients(one, prior) for one in many[:2]]
+    assert np.allclose(found.message.mean, np.mean(each, axis=0))
+    deviation = found.message.precision**-0.5
+    assert STYLES[0] < deviation[0] < 1.2 * STYLES[0]
+    assert deviation[2] > STYLES[2]
+    assert known_response(many, "Other", "One", prior) is None
+    assert known_response(many, "Acme", "", prior) is None
+
+
+def test_what_is_known_draws_a_weak_photo_near_and_narrows_its_band():
+    photo = said(2.0, 0.5)
+    alone, known = (conclude([photo], cameras=listed) for listed in ((), (camera(2.4),)))
+    assert middle(known) < middle(alone)
+    assert known.confidence.in_stops.mid < alone.confidence.in_stops.mid
+    assert any("Acme One counts as evidence" in reason for reason in known.confidence.reasons)
+    other = conclude([replace(photo, camera=("Acme", "Two"))], cameras=(camera(2.4),))
+    assert np.array_equal(other.curve.linear, alone.curve.linear)
+
+
+def test_a_photo_may_contradict_its_camera():
+    photo = said(1.6, 400.0)
+    alone, known = (conclude([photo], cameras=listed) for listed in ((), (camera(2.9),)))
+    assert abs(middle(known) - middle(alone)) < 0.03
+    assert known.confidence.verdict is not Verdict.RELIABLE
+    assert any("contradicts the measured response" in r for r in known.confidence.reasons)
+
+
+def test_what_the_user_added_counts(tmp_path, monkeypatch):
+    monkeypatch.setenv("FACECRF_CAMERAS", str(tmp_path / "mine.json"))
+    assert known_cameras() == shipped_cameras()
+    write_registry(tmp_path / "mine.json", [camera(2.4)], overwrite=False)
+    assert known_cameras()[-1].model == "One"
+    assert any("Acme One" in reason for reason in conclude([said(2.0, 0.5)]).confidence.reasons)
+
+
+def test_evidence_keeps_the_camera_s_name():
+    photo = said(2.0, 0.5)
+    assert PhotoEvidence.from_json(photo.to_json()).camera == ("Acme Inc.", "One")
+    old = photo.to_json().replace('"camera"', '"was"')
+    assert PhotoEvidence.from_json(old).camera == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("name", "model"),
+    [
+        ("Nikon D7000 (Kim/Lin/Brown 2012, Normal, RGB)", "D7000"),
+        ("darktable basecurve: NIKON D7500", "D7500"),
+        ("Canon EOS 550D (exposure stacks)", "550D"),
+        ("darktable basecurve: pentax like", ""),
+    ],
+)
+def test_models_are_told_by_name(name, model):
+    assert model_of(name) == model
+
+
+@pytest.mark.slow
+def test_half_the_error_by_another_s_measurement(development_data):
+    folder = development_data / "crf"
+    files = [read_responses(folder / f"modern_{name}.npz") for name in ("dev", "stacks")]
+    images = find_linear_images(development_data / "faces" / "rendered" / "img", "dev_*_clean.exr")
+    assert len(known_cases(files)) == 15
+    results = list(measure_known(images.images, files))
+    table = known_markdown(results)
+    alone, both = (np.array([100 * one.scores[k].rmse for one in results]) for k in (0, 1))
+    assert np.median(both) < 0.6 * np.median(alone), table
+    assert np.median([one.scores[1].mid for one in results]) < 0.1, table
