@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from face_photos import eight_bit, grace_hopper, linear_light, rendered_heads, shrink, turn
 
+from facecrf_ocio.face import landmarks
 from facecrf_ocio.face.blazeface import detect_blazeface
 from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.face.yunet import detect_yunet
@@ -67,6 +68,20 @@ def test_all_faces_are_returned_widest_first():
     assert len(found.faces) == 2
     assert found.faces[0].box_xy[2] > 1.5 * found.faces[1].box_xy[2]
     assert found.faces[0].landmarks_xyz[1, 0] > 288 > found.faces[1].landmarks_xyz[1, 0]
+
+
+def test_the_widest_face_alone_costs_no_landmarks_of_the_others(monkeypatch):
+    photo = np.full((600, 800, 3), 0.5, np.float32)
+    photo[200:500, :256] = shrink(grace_hopper(), 0.5)
+    photo[:, 288:] = grace_hopper()
+    passes = []
+    run = landmarks._run
+    monkeypatch.setattr(landmarks, "_run", lambda crop: (passes.append(1), run(crop))[1])
+    every = find_faces(photo, SETTINGS).faces
+    taken = len(passes)
+    (widest,) = find_faces(photo, SETTINGS, most=1).faces
+    assert np.array_equal(widest.landmarks_xyz, every[0].landmarks_xyz)
+    assert len(passes) - taken < taken
 
 
 def test_small_faces_are_counted_but_not_returned():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 
 import cv2
 import numpy as np
@@ -54,8 +55,10 @@ class _Look:
     turned: bool = False
 
 
-def find_faces(encoded: npt.NDArray[np.float32], settings: Settings) -> FoundFaces:
-    """Find all faces of a photo.
+def find_faces(
+    encoded: npt.NDArray[np.float32], settings: Settings, most: int | None = None
+) -> FoundFaces:
+    """Find all faces of a photo, or the widest ones.
 
     YuNet looks first. If it sees nothing, further looks follow until one succeeds: at a brightened
     copy if the photo is dark, at a smaller copy, with BlazeFace, and at the copy turned by
@@ -68,23 +71,25 @@ def find_faces(encoded: npt.NDArray[np.float32], settings: Settings) -> FoundFac
         (H, W, 3) RGB in [0, 1].
     settings
         `detection_long_side`, `min_face_score` and `min_face_width` (in pixels of the photo).
+    most
+        As many faces as are wanted; no landmarks are fitted to narrower ones. All by default.
     """
     side = settings.detection_long_side
     pyramid = build_pyramid(encoded, side, max(1, side // 2), max(1, side // 4))
     for look in _looks(pyramid, settings):
-        found = _examine(pyramid, look, settings.min_face_width)
+        found = _examine(pyramid, look, settings.min_face_width, most)
         if found.faces or found.too_small:
             return found
     return FoundFaces((), 0)
 
 
-def _examine(pyramid: Pyramid, look: _Look, min_width: float) -> FoundFaces:
+def _examine(pyramid: Pyramid, look: _Look, min_width: float, most: int | None) -> FoundFaces:
     """Fit landmarks to the candidates that are large enough and keep those that are faces."""
     widest_first = sorted(look.candidates, key=lambda item: item.width, reverse=True)
     large = [candidate for candidate in widest_first if candidate.width >= min_width]
     small = widest_first[len(large) :]
     fitted = (_fit(pyramid, candidate, look) for candidate in large)
-    faces = tuple(face for face in fitted if face is not None)
+    faces = tuple(islice((face for face in fitted if face is not None), most))
     # What is too small needs no landmarks, but must not end the search if it is no face.
     if not faces and small and _fit(pyramid, small[0], look) is None:
         small = []

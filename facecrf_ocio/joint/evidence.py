@@ -156,10 +156,10 @@ def observe(photo: Photo, settings: Settings) -> Observation | Lacking:
         return Lacking("all pixels have one color", "use a photo with a face")
     if photo.grayscale:
         return Lacking("the photo is grayscale, and skin shows its response only in color", _COLOR)
-    found = find_faces(photo.encoded, settings)
+    found = find_faces(photo.encoded, settings, most=1)
     if not found.faces:
         return lacking_faces(found, settings)
-    face = max(found.faces, key=lambda candidate: float(candidate.box_xy[2]))
+    face = found.faces[0]
     unfit = no_photograph(photo.encoded, face.box_xy)
     if unfit is not None:
         return unfit
