@@ -24,7 +24,7 @@ from facecrf_ocio.estimators import (
     JOINT_NAMES,
 )
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude, gather, shipped_joint
-from facecrf_ocio.joint.single_curve import MOST_SCATTER, gain_scatter
+from facecrf_ocio.joint.single_curve import gain_scatter
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.published.estimate import published_estimate
 from facecrf_ocio.response.fixed import fixed_curve, prior_confidence
@@ -122,7 +122,7 @@ def calibrate(
     else:
         estimate = published_estimate(ESTIMATORS[estimator], photo, response, settings)
         estimate = replace(estimate, assumptions=assumptions_of(photo))
-    estimate = _doubted(estimate, photo)
+    estimate = _doubted(estimate, photo, settings.most_scatter)
     if estimate.outcome is Outcome.NOT_CALIBRATED and fallback != "none":
         return _fall_back(estimate, fallback, photo, response)
     return estimate
@@ -147,11 +147,11 @@ def _joint(
     return replace(estimate, assumptions=(*assumptions_of(photo), SAME_CURVE))
 
 
-def _doubted(estimate: Estimate, photo: Photo) -> Estimate:
+def _doubted(estimate: Estimate, photo: Photo, most_scatter: float) -> Estimate:
     """Never `reliable` where the file says that no single curve of the camera made the photo."""
     doubts = list(photo.edits)
     scatter = gain_scatter(photo)
-    if scatter > MOST_SCATTER:
+    if scatter > most_scatter:
         doubts.append(f"its gain map strays from every single curve by {scatter:.2f} stops")
     told = estimate.confidence
     if not doubts or told is None:

@@ -1,4 +1,4 @@
-"""What a calibration can be told: how faces are looked at, and the published method's weights."""
+"""What a calibration can be told: each holder has what its part of the package reads alone."""
 
 from __future__ import annotations
 
@@ -10,20 +10,12 @@ PRIORS = ("auto", "dorf", "modern")
 VERDICTS = ("prior only", "weak", "reliable")
 
 
-@dataclass(frozen=True, slots=True)
-class Settings:
-    """Settings of one calibration; "sec." and "eq." refer to Li, Lin, Zhou, Ikeuchi, CVPR 2017.
-
-    Those up to `value_high` say how every estimator looks at a face, `joint` too. `shared_curve`
-    is for the published estimators, `monotonicity_weight` for `face`, `face-unshaded` and `edge`,
-    the others for the first two alone. What `joint` has learned is in its model, and what the other
-    rivals use stands at the top of their files: with other numbers they would be other methods
-    than those that were measured.
+@dataclass(frozen=True)
+class FaceSettings:
+    """How every estimator looks at a face.
 
     Attributes
     ----------
-    shared_curve
-        Estimate one curve for all three channels instead of one for each.
     detection_long_side
         [px] Faces are sought on a copy of the photo no longer than this.
     min_face_width
@@ -33,9 +25,76 @@ class Settings:
     face_width
         [px] Each face is scaled down to this width before its skin is analyzed.
     hue_half_width
-        [degree] Skin hues lie within this distance of the most frequent hue (sec. 5.1).
+        [degree] Skin hues lie within this distance of the most frequent hue (Li, Lin, Zhou,
+        Ikeuchi, CVPR 2017, sec. 5.1).
     value_low, value_high
-        Quantiles of V in HSV outside of which skin pixels are ignored (sec. 5.1).
+        Quantiles of V in HSV outside of which skin pixels are ignored (the same, sec. 5.1).
+    """
+
+    detection_long_side: int = 1280
+    min_face_width: int = 60
+    min_face_score: float = 0.7
+    face_width: int = 160
+    hue_half_width: float = 18.0
+    value_low: float = 0.25
+    value_high: float = 0.75
+
+    def __post_init__(self) -> None:
+        for name in ("value_low", "value_high", "min_face_score"):
+            _require_share(self, name)
+        _require(self.value_low < self.value_high, "value_low must be below value_high")
+        for item in fields(self):
+            value = getattr(self, item.name)
+            _require(isinstance(value, bool) or value >= 0, f"{item.name} must not be negative")
+
+
+@dataclass(frozen=True)
+class JointSettings(FaceSettings):
+    """What `joint` can be told besides: which pictures no single curve of a camera explains.
+
+    What it has learned is in its model (`JointModel`): the networks, the prior, the band's scale.
+
+    Attributes
+    ----------
+    least_chroma
+        Spread of color at a brightness over the spread of brightness, below which all color is a
+        tone laid over gray. On 28 ordinary photos it was 0.21 to 1.6, but four linear portraits of
+        one woman in studio light have 0.051 to 0.074 through film and 0.037 to 0.050 through
+        cameras, and heads with 15 % of their saturation 0.056 to 0.27. Photos made gray, toned and
+        stored as JPEG of quality 50 to 92 have 0.016 to 0.11: strongly toned ones are not told
+        from gray skin by this.
+    fewest_colors
+        Distinct colors of a picture below which it was made with a palette, which has 256 at most.
+    most_flat
+        Share of a face's pixels that equal their neighbors, above which it was drawn.
+    most_scatter
+        [stop] By which a gain map may stray from one curve of brightness; above, places were tone
+        mapped unlike each other. A Pixel phone's HDR+ has 0.15; Adobe's maps from single curves
+        0.001 and 0.05, one by libultrahdr 0.04.
+    """
+
+    least_chroma: float = 0.03
+    fewest_colors: int = 300
+    most_flat: float = 0.6
+    most_scatter: float = 0.1
+
+    def __post_init__(self) -> None:
+        _require_share(self, "most_flat")
+        super().__post_init__()
+
+
+@dataclass(frozen=True)
+class PublishedSettings(FaceSettings):
+    """What the published estimators can be told; "eq." refers to Li, Lin, Zhou, Ikeuchi (2017).
+
+    `shared_curve` is for all of them, `monotonicity_weight` for `face`, `face-unshaded` and `edge`,
+    the others for the first two alone. What the other rivals use stands at the top of their files:
+    with other numbers they would be other methods than those that were measured.
+
+    Attributes
+    ----------
+    shared_curve
+        Estimate one curve for all three channels instead of one for each.
     chromaticity_threshold
         Neighbors closer than this in chromaticity (r, g) have equal albedo (eq. 27, tau_a).
     normal_threshold
@@ -56,13 +115,6 @@ class Settings:
     """
 
     shared_curve: bool = False
-    detection_long_side: int = 1280
-    min_face_width: int = 60
-    min_face_score: float = 0.7
-    face_width: int = 160
-    hue_half_width: float = 18.0
-    value_low: float = 0.25
-    value_high: float = 0.75
     chromaticity_threshold: float = 0.02
     normal_threshold: float = 5.0
     albedo_weight: float = 1.0
@@ -77,13 +129,23 @@ class Settings:
     min_pairs: int = 8
 
     def __post_init__(self) -> None:
-        for name in ("value_low", "value_high", "gradient_low", "gradient_high", "min_face_score"):
-            _require(0.0 <= getattr(self, name) <= 1.0, f"{name} must lie in [0, 1]")
-        _require(self.value_low < self.value_high, "value_low must be below value_high")
+        for name in ("gradient_low", "gradient_high"):
+            _require_share(self, name)
+        super().__post_init__()
         _require(self.gradient_low < self.gradient_high, "gradient_low must be below gradient_high")
-        for item in fields(self):
-            value = getattr(self, item.name)
-            _require(isinstance(value, bool) or value >= 0, f"{item.name} must not be negative")
+
+
+@dataclass(frozen=True)
+class Settings(PublishedSettings, JointSettings):
+    """All that `calibrate` can be told, whichever the estimator.
+
+    See `FaceSettings` for how all look at a face, `JointSettings` and `PublishedSettings` for the
+    rest; those of another estimator are without effect.
+    """
+
+
+def _require_share(settings: FaceSettings, name: str) -> None:
+    _require(0.0 <= getattr(settings, name) <= 1.0, f"{name} must lie in [0, 1]")
 
 
 def _require(condition: bool, message: str) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from facecrf_ocio.joint import JointModel, conclude, gather, misfit, shipped_joint
-from facecrf_ocio.settings import Settings
+from facecrf_ocio.settings import JointSettings
 from facecrf_ocio.values import Estimate, Photo
 
 MISFIT_LIMIT = 1.0
@@ -41,7 +41,7 @@ def calibrate_together(
     photos: Iterable[Photo],
     *,
     prior: str = "auto",
-    settings: Settings | None = None,
+    settings: JointSettings | None = None,
     model: JointModel | None = None,
 ) -> Together:
     """Estimate the one curve of photos that one camera took with the same picture settings.

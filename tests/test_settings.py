@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import FrozenInstanceError, fields, replace
+from pathlib import Path
 
 import pytest
 
+import facecrf_ocio
 from facecrf_ocio.errors import SettingsError
-from facecrf_ocio.settings import Settings
+from facecrf_ocio.settings import FaceSettings, JointSettings, PublishedSettings, Settings
+
+PACKAGE = Path(facecrf_ocio.__file__).parent
 
 
 def test_defaults_are_the_paper_s_where_it_prints_them():
@@ -43,9 +48,32 @@ def test_no_number_may_be_negative_or_nan(name, value):
         Settings(**{name: value})
 
 
-def test_every_setting_is_documented():
-    for item in fields(Settings):
-        assert item.name in (Settings.__doc__ or "")
+@pytest.mark.parametrize("holder", [FaceSettings, JointSettings, PublishedSettings])
+def test_every_setting_is_documented_where_it_stands(holder):
+    for name in holder.__annotations__:
+        assert name in (holder.__doc__ or "")
+
+
+# What each part of the package reads, by the name of its argument.
+READ = {
+    FaceSettings: ("face", "joint/statistics.py"),
+    JointSettings: ("joint", "calibrate.py"),
+    PublishedSettings: ("published",),
+}
+
+
+@pytest.mark.parametrize("holder", READ)
+def test_every_setting_is_read_by_the_part_that_holds_it(holder):
+    places = [PACKAGE / place for place in READ[holder]]
+    files = [f for p in places for f in ([p] if p.suffix else p.glob("*.py"))]
+    text = "".join(file.read_text(encoding="utf-8") for file in files)
+    read = {f"settings.{name}" for name in holder.__annotations__}
+    assert {name for name in read if not re.search(rf"\b{name}\b", text)} == set()
+
+
+def test_no_part_can_be_told_what_is_another_s():
+    names = [set(holder.__annotations__) for holder in READ]
+    assert sum(map(len, names)) == len(set.union(*names)) == len(fields(Settings))
 
 
 def test_settings_do_not_change():

@@ -16,10 +16,6 @@ from photo_files import with_segments
 from facecrf_ocio import Photo, calibrate, read_photo
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.joint.single_curve import (
-    FEWEST_COLORS,
-    LEAST_CHROMA,
-    MOST_FLAT,
-    MOST_SCATTER,
     chroma_share,
     distinct_colors,
     flat_share,
@@ -28,7 +24,10 @@ from facecrf_ocio.joint.single_curve import (
     no_photograph,
 )
 from facecrf_ocio.photo.edits import edits_told
+from facecrf_ocio.settings import JointSettings
 from facecrf_ocio.values import Outcome, Verdict
+
+DEFAULTS = JointSettings()
 
 FACE = np.array([150.0, 80.0, 200.0, 250.0])
 
@@ -48,8 +47,8 @@ def toned(exponents: tuple[float, float, float]) -> np.ndarray:
 @pytest.mark.parametrize("exponents", [(1.05, 1.0, 0.95), (0.95, 1.0, 1.05)])
 def test_toned_black_and_white(quality: int, exponents: tuple[float, float, float]) -> None:
     picture = stored(toned(exponents), quality)
-    assert chroma_share(picture) < LEAST_CHROMA
-    unfit = no_photograph(picture, FACE)
+    assert chroma_share(picture) < DEFAULTS.least_chroma
+    unfit = no_photograph(picture, FACE, DEFAULTS)
     assert unfit is not None
     assert "one hue: no pigments to look at" in unfit.reason
 
@@ -57,22 +56,22 @@ def test_toned_black_and_white(quality: int, exponents: tuple[float, float, floa
 @pytest.mark.parametrize("quality", [40, 95])
 def test_an_ordinary_photo_is_one(quality: int) -> None:
     picture = stored(grace_hopper(), quality)
-    assert no_photograph(picture, FACE) is None
-    assert chroma_share(picture) > 1.5 * LEAST_CHROMA
+    assert no_photograph(picture, FACE, DEFAULTS) is None
+    assert chroma_share(picture) > 1.5 * DEFAULTS.least_chroma
     codes = middle_codes(picture)
-    assert distinct_colors(codes) > 5 * FEWEST_COLORS
-    assert flat_share(codes) < MOST_FLAT / 1.5
+    assert distinct_colors(codes) > 5 * DEFAULTS.fewest_colors
+    assert flat_share(codes) < DEFAULTS.most_flat / 1.5
 
 
 def test_gray_skin_in_studio_light_is_no_toned_photo(development_data: Path) -> None:
     for path in sorted((development_data / "faces" / "linear").glob("input_*.tif")):
         encoded = np.clip(read_photo(path).encoded, 0.0, 1.0) ** np.float32(1.0 / 2.2)
-        assert chroma_share(encoded) > LEAST_CHROMA
+        assert chroma_share(encoded) > DEFAULTS.least_chroma
 
 
 def test_a_palette() -> None:
     picture = np.round(grace_hopper() * 5) / np.float32(5)
-    unfit = no_photograph(picture, FACE)
+    unfit = no_photograph(picture, FACE, DEFAULTS)
     assert unfit is not None
     assert "palette" in unfit.reason
 
@@ -80,7 +79,7 @@ def test_a_palette() -> None:
 def test_a_drawn_face() -> None:
     picture = np.array(grace_hopper())
     cv2.ellipse(picture, (250, 200), (140, 170), 0, 0, 360, (0.9, 0.7, 0.6), -1)
-    unfit = no_photograph(picture, FACE)
+    unfit = no_photograph(picture, FACE, DEFAULTS)
     assert unfit is not None
     assert "drawn" in unfit.reason
 
@@ -124,7 +123,9 @@ def test_an_edited_photo_is_never_reliable(tmp_path: Path) -> None:
     assert not any("single curve" in reason for reason in plain.reasons)
 
 
-@pytest.mark.parametrize(("is_local", "least", "most"), [(False, 0, 0.03), (True, MOST_SCATTER, 2)])
+@pytest.mark.parametrize(
+    ("is_local", "least", "most"), [(False, 0, 0.03), (True, DEFAULTS.most_scatter, 2)]
+)
 def test_gain_maps_tell_tone_mapping_of_places(
     tmp_path: Path, is_local: bool, least: float, most: float
 ) -> None:

@@ -17,7 +17,7 @@ from facecrf_ocio.published.gradients import single_pigment_pairs
 from facecrf_ocio.published.pigments import Pigments
 from facecrf_ocio.published.solve import Weighted, solve
 from facecrf_ocio.response.model import ResponseModel
-from facecrf_ocio.settings import Settings
+from facecrf_ocio.settings import PublishedSettings
 from facecrf_ocio.values import Float, InverseCRF, Photo
 
 _WHOLLY_SKIN = 0.99  # of a pixel; what is less is at the edge of the mask
@@ -92,7 +92,7 @@ def ablate(
     photo: Photo,
     truth: Float,
     model: ResponseModel,
-    settings: Settings,
+    settings: PublishedSettings,
 ) -> Ablated | str:
     """Estimate the response of a photo of a known face; or say why that cannot be done.
 
@@ -129,7 +129,7 @@ def ablate(
 
 
 def _analyze(
-    ablation: Ablation, known: KnownFace, view: FaceView, settings: Settings
+    ablation: Ablation, known: KnownFace, view: FaceView, settings: PublishedSettings
 ) -> AnalyzedFace | None:
     if ablation.mask:
         bare = onto(view, known.skin) > _WHOLLY_SKIN
@@ -159,7 +159,7 @@ def _term(
     known: KnownFace,
     analyzed: AnalyzedFace,
     model: ResponseModel,
-    settings: Settings,
+    settings: PublishedSettings,
 ) -> SkinPigment:
     size, balanced = model.grid.size, settings.balance_channels
     if not ablation.shading:

@@ -16,7 +16,7 @@ from facecrf_ocio.face.landmarks import fit_landmarks
 from facecrf_ocio.face.pyramid import Pyramid, build_pyramid
 from facecrf_ocio.face.tone import Tone, brightening_tone
 from facecrf_ocio.face.yunet import detect_yunet
-from facecrf_ocio.settings import Settings
+from facecrf_ocio.settings import FaceSettings
 from facecrf_ocio.values import Face, Float
 
 # A face this wide [px] on the half-size copy is the one that counts: any that only the full-size
@@ -36,7 +36,7 @@ class FoundFaces:
     Attributes
     ----------
     faces
-        Those at least `Settings.min_face_width` wide, widest first.
+        Those at least `FaceSettings.min_face_width` wide, widest first.
     too_small
         How many narrower ones a detector saw. If `faces` is empty, this tells "no face" from "no
         face large enough".
@@ -56,7 +56,7 @@ class _Look:
 
 
 def find_faces(
-    encoded: npt.NDArray[np.float32], settings: Settings, most: int | None = None
+    encoded: npt.NDArray[np.float32], settings: FaceSettings, most: int | None = None
 ) -> FoundFaces:
     """Find all faces of a photo, or the widest ones.
 
@@ -105,7 +105,7 @@ def _fit(pyramid: Pyramid, candidate: Candidate, look: _Look) -> Face | None:
     return Face(box, landmarks.xyz, candidate.score)
 
 
-def _looks(pyramid: Pyramid, settings: Settings) -> Iterator[_Look]:
+def _looks(pyramid: Pyramid, settings: FaceSettings) -> Iterator[_Look]:
     """Search after search, each made only when it is asked for."""
     full = pyramid.level_within(settings.detection_long_side)
     half = pyramid.level_within(settings.detection_long_side // 2)

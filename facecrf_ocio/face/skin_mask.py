@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.settings import Settings
+from facecrf_ocio.settings import FaceSettings
 from facecrf_ocio.values import Bool
 
 HUE_BIN = 2.0  # [degree] of the histogram
@@ -39,7 +39,9 @@ class SkinMask:
     hue_histogram: npt.NDArray[np.float64]
 
 
-def find_skin(encoded: npt.NDArray[np.float32], bare_skin: Bool, settings: Settings) -> SkinMask:
+def find_skin(
+    encoded: npt.NDArray[np.float32], bare_skin: Bool, settings: FaceSettings
+) -> SkinMask:
     """Select skin by hue and brightness.
 
     Parameters

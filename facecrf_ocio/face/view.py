@@ -11,7 +11,7 @@ import numpy.typing as npt
 from facecrf_ocio.face.detect import FoundFaces
 from facecrf_ocio.face.geometry import FaceGeometry, face_geometry
 from facecrf_ocio.photo.pixels import in_8_bits
-from facecrf_ocio.settings import Settings
+from facecrf_ocio.settings import FaceSettings
 from facecrf_ocio.values import Face, Lacking, Photo
 
 MIN_SKIN_PIXELS = 400  # of a face 160 px wide, a square of 20 px; fewer tell of one spot
@@ -39,7 +39,9 @@ class FaceView:
     frame: tuple[float, float, float, float]
 
 
-def cut_face(photo: Photo, face: Face, settings: Settings, *, to_8_bits: bool = False) -> FaceView:
+def cut_face(
+    photo: Photo, face: Face, settings: FaceSettings, *, to_8_bits: bool = False
+) -> FaceView:
     """Cut a face out, scale it down to the working size, and lay its mesh over it.
 
     With `to_8_bits` it is rounded to 8 bits before it is scaled.
@@ -71,7 +73,7 @@ def _scaled(
     return np.asarray(cv2.resize(channel, size, interpolation=cv2.INTER_AREA), np.float32)
 
 
-def lacking_faces(found: FoundFaces, settings: Settings) -> Lacking:
+def lacking_faces(found: FoundFaces, settings: FaceSettings) -> Lacking:
     """Why no face of a photo can be used."""
     if found.too_small:
         return Lacking(

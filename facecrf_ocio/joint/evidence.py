@@ -28,7 +28,7 @@ from facecrf_ocio.joint.statistics import (
     skin_counts,
 )
 from facecrf_ocio.response.coverage import COVERAGE_BINS, coverage_counts
-from facecrf_ocio.settings import Settings
+from facecrf_ocio.settings import JointSettings
 from facecrf_ocio.values import Face, Float, Lacking, Photo
 
 _COLOR = "use a color version"
@@ -116,7 +116,7 @@ class PhotoEvidence:
 
 
 def gather(
-    photo: Photo, settings: Settings | None = None, networks: Networks | None = None
+    photo: Photo, settings: JointSettings | None = None, networks: Networks | None = None
 ) -> PhotoEvidence:
     """Ask every cue of one photo.
 
@@ -124,7 +124,7 @@ def gather(
     """
     networks = networks or shipped_networks()
     leaning = modern_leaning(photo.camera, photo.primaries), phone_leaning(photo.camera)
-    seen = observe(photo, settings or Settings())
+    seen = observe(photo, settings or JointSettings())
     if isinstance(seen, Lacking):
         nothing = np.zeros((3, COVERAGE_BINS))
         return PhotoEvidence({}, nothing, *leaning, seen.reason, seen.remedy)
@@ -150,7 +150,7 @@ class Observation:
     face: Face
 
 
-def observe(photo: Photo, settings: Settings) -> Observation | Lacking:
+def observe(photo: Photo, settings: JointSettings) -> Observation | Lacking:
     """Statistics of one photo and its largest face, or why there are none."""
     if photo.grayscale and photo.encoded.min() == photo.encoded.max():
         return Lacking("all pixels have one color", "use a photo with a face")
@@ -160,7 +160,7 @@ def observe(photo: Photo, settings: Settings) -> Observation | Lacking:
     if not found.faces:
         return lacking_faces(found, settings)
     face = found.faces[0]
-    unfit = no_photograph(photo.encoded, face.box_xy)
+    unfit = no_photograph(photo.encoded, face.box_xy, settings)
     if unfit is not None:
         return unfit
     # The networks know 8-bit photos: rounding is part of the noise they learned from.

@@ -10,26 +10,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from facecrf_ocio.settings import JointSettings
 from facecrf_ocio.values import Float, Lacking, Photo
 
 Float32 = npt.NDArray[np.float32]
-
-LEAST_CHROMA = 0.03
-"""Spread of color at a brightness over the spread of brightness, below which all color is a tone
-laid over gray. On 28 ordinary photos it was 0.21 to 1.6, but four linear portraits of one woman in
-studio light have 0.051 to 0.074 through film and 0.037 to 0.050 through cameras, and heads with
-15 % of their saturation 0.056 to 0.27. Photos made gray, toned and stored as JPEG of quality 50 to
-92 have 0.016 to 0.11: strongly toned ones are not told from gray skin by this."""
-
-FEWEST_COLORS = 300
-"""Distinct colors of a picture below which it was made with a palette, which has 256 at most."""
-
-MOST_FLAT = 0.6
-"""Share of pixels that equal their neighbors, above which a picture was drawn."""
-
-MOST_SCATTER = 0.1
-"""[stop] of `gain_scatter`, above which places were tone mapped unlike each other. A Pixel phone's
-HDR+ has 0.15; Adobe's maps from single curves 0.001 and 0.05, one by libultrahdr 0.04."""
 
 _GAIN_SIDE, _GAIN_BINS = 256, 64  # [px] and brightnesses at which a gain map is looked at
 _SIDE = 768  # [px] of the middle of the picture that is looked at, at its own size
@@ -41,7 +25,7 @@ _FEWEST_PIXELS = 1024  # as many as 32 by 32, of which a share is certain to 2 %
 _ORIGINAL = "use the picture as the camera wrote it"
 
 
-def no_photograph(encoded: Float32, box_xy: Float) -> Lacking | None:
+def no_photograph(encoded: Float32, box_xy: Float, settings: JointSettings) -> Lacking | None:
     """Why a picture's pixels are no camera's; None where they may be.
 
     Parameters
@@ -53,13 +37,13 @@ def no_photograph(encoded: Float32, box_xy: Float) -> Lacking | None:
     """
     if encoded.shape[0] * encoded.shape[1] < _FEWEST_PIXELS:
         return None
-    if distinct_colors(middle_codes(encoded)) < FEWEST_COLORS:
+    if distinct_colors(middle_codes(encoded)) < settings.fewest_colors:
         return Lacking("the picture has the few colors of a palette", _ORIGINAL)
     left, top = (max(int(edge), 0) for edge in box_xy[:2])
     right, bottom = (int(edge) for edge in box_xy[:2] + box_xy[2:])
-    if flat_share(middle_codes(encoded[top:bottom, left:right])) > MOST_FLAT:
+    if flat_share(middle_codes(encoded[top:bottom, left:right])) > settings.most_flat:
         return Lacking("the face is drawn: most of its pixels equal their neighbors", _ORIGINAL)
-    if chroma_share(encoded) < LEAST_CHROMA:
+    if chroma_share(encoded) < settings.least_chroma:
         return Lacking("the photo has one hue: no pigments to look at", _ORIGINAL)
     return None
 

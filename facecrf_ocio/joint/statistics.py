@@ -25,7 +25,7 @@ from facecrf_ocio.joint.grain import measure_noise, noise_curve
 from facecrf_ocio.joint.noise_counts import LEVELS, NoiseCounts, count_noise
 from facecrf_ocio.joint.texture import noise_character
 from facecrf_ocio.joint.windows import Window, face_windows, photo_windows
-from facecrf_ocio.settings import Settings
+from facecrf_ocio.settings import FaceSettings
 from facecrf_ocio.values import Bool, Float, frozen
 
 FACE_CUES = ("shading", "highlights", "pigments", "eyes")
@@ -113,7 +113,7 @@ def counted_statistics(photo: NoiseCounts, skin: NoiseCounts) -> dict[str, Float
     return found
 
 
-def face_statistics(view: FaceView, settings: Settings) -> Statistics | None:
+def face_statistics(view: FaceView, settings: FaceSettings) -> Statistics | None:
     """Statistics of one face at its working size; None where it shows too little skin."""
     mask = find_skin(view.encoded, view.geometry.bare_skin, settings)
     if int(mask.skin.sum()) < MIN_SKIN_PIXELS:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from facecrf_ocio.published.solve import Weighted
 from facecrf_ocio.response.model import ResponseModel
-from facecrf_ocio.settings import Settings
+from facecrf_ocio.settings import PublishedSettings
 from facecrf_ocio.values import Face, Float, Lacking, Photo
 
 
@@ -51,4 +51,4 @@ class FittedCurve:
 
 
 Answer = EnergyTerms | FittedCurve | Lacking
-PublishedEstimator = Callable[[Photo, ResponseModel, Settings], Answer]
+PublishedEstimator = Callable[[Photo, ResponseModel, PublishedSettings], Answer]

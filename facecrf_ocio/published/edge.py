@@ -8,14 +8,14 @@ from facecrf_ocio.published.edge_selection import select_patches
 from facecrf_ocio.published.energy.color_blend import ColorBlend
 from facecrf_ocio.published.solve import Weighted
 from facecrf_ocio.response.model import ResponseModel
-from facecrf_ocio.settings import Settings
+from facecrf_ocio.settings import PublishedSettings
 from facecrf_ocio.values import Photo
 
 # lambda of the paper's likelihood exp(-lambda D), with D the sum over all edge pixels.
 BLEND_WEIGHT = 1e4
 
 
-def edge_answer(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:  # noqa: ARG001
+def edge_answer(photo: Photo, model: ResponseModel, settings: PublishedSettings) -> Answer:  # noqa: ARG001
     """Color blends at the photo's edges as a likelihood of curves; the estimator `edge`.
 
     Parameters

@@ -14,12 +14,12 @@ from facecrf_ocio.published.energy.monotonicity import Monotonicity
 from facecrf_ocio.published.solve import Weighted, solve
 from facecrf_ocio.published.trust import fitted_confidence
 from facecrf_ocio.response.model import ResponseModel
-from facecrf_ocio.settings import Settings
+from facecrf_ocio.settings import PublishedSettings
 from facecrf_ocio.values import Estimate, Lacking, Outcome, Photo
 
 
 def published_estimate(
-    estimator: Estimator, photo: Photo, model: ResponseModel, settings: Settings
+    estimator: Estimator, photo: Photo, model: ResponseModel, settings: PublishedSettings
 ) -> Estimate:
     """Show a photo to one of `estimators.PUBLISHED`.
 
@@ -54,7 +54,7 @@ def _fitted(estimator: Estimator, answer: FittedCurve, model: ResponseModel) -> 
 
 
 def _minimized(
-    estimator: Estimator, answer: EnergyTerms, model: ResponseModel, settings: Settings
+    estimator: Estimator, answer: EnergyTerms, model: ResponseModel, settings: PublishedSettings
 ) -> Estimate:
     objective = (
         Weighted("empirical", 1.0, Empirical(model)),

@@ -17,7 +17,7 @@ from facecrf_ocio.published.intrinsic import Decomposition, prepare_decompositio
 from facecrf_ocio.published.pigments import Pigments, separate_pigments
 from facecrf_ocio.published.solve import Weighted
 from facecrf_ocio.response.model import ResponseModel
-from facecrf_ocio.settings import Settings
+from facecrf_ocio.settings import PublishedSettings
 from facecrf_ocio.values import (
     Float,
     Lacking,
@@ -42,17 +42,19 @@ class AnalyzedFace:
     gradients: PigmentGradients
 
 
-def face_answer(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
+def face_answer(photo: Photo, model: ResponseModel, settings: PublishedSettings) -> Answer:
     """Single-pigment changes of albedo, shading removed; the estimator `face`."""
     return _answer(photo, model, settings, shaded=True)
 
 
-def face_unshaded_answer(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
+def face_unshaded_answer(photo: Photo, model: ResponseModel, settings: PublishedSettings) -> Answer:
     """The same without shading, `dD/D = 0`; the estimator `face-unshaded`."""
     return _answer(photo, model, settings, shaded=False)
 
 
-def _answer(photo: Photo, model: ResponseModel, settings: Settings, *, shaded: bool) -> Answer:
+def _answer(
+    photo: Photo, model: ResponseModel, settings: PublishedSettings, *, shaded: bool
+) -> Answer:
     if photo.grayscale and photo.encoded.min() == photo.encoded.max():
         return Lacking("all pixels have one color", "use a photo with a face")
     if photo.grayscale:
@@ -92,7 +94,7 @@ def _answer(photo: Photo, model: ResponseModel, settings: Settings, *, shaded: b
     )
 
 
-def analyze_face(view: FaceView, settings: Settings) -> AnalyzedFace | None:
+def analyze_face(view: FaceView, settings: PublishedSettings) -> AnalyzedFace | None:
     """From skin mask to single-pigment pairs; None where there is too little skin."""
     mask = find_skin(view.encoded, view.geometry.bare_skin, settings)
     if int(mask.diffuse.sum()) < MIN_SKIN_PIXELS:

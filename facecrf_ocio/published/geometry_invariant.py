@@ -43,7 +43,7 @@ from facecrf_ocio.published.energy.log_slope import (
 )
 from facecrf_ocio.published.planar_points import PlanarPoints, joined, planar_points
 from facecrf_ocio.response.model import ResponseModel
-from facecrf_ocio.settings import Settings
+from facecrf_ocio.settings import PublishedSettings
 from facecrf_ocio.values import CHANNELS, Float, Lacking, Photo
 
 # Points that a level needs, and the independent windows they must amount to.
@@ -80,7 +80,9 @@ class Levels:
     windows: Float
 
 
-def geometry_invariant_answer(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
+def geometry_invariant_answer(
+    photo: Photo, model: ResponseModel, settings: PublishedSettings
+) -> Answer:
     """Find planar irradiance, read the invariant at each code, and integrate it to a curve."""
     rounding = 0.0 if photo.bit_depth is None else 12.0**-0.5 / (2**photo.bit_depth - 1)
     planes = np.ascontiguousarray(photo.encoded.transpose(2, 0, 1))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from facecrf_ocio.published.pigments import Pigments
-from facecrf_ocio.settings import Settings
+from facecrf_ocio.settings import PublishedSettings
 from facecrf_ocio.values import Bool, Index, frozen
 
 
@@ -32,7 +32,7 @@ class PigmentGradients:
 
 
 def single_pigment_pairs(
-    pigments: Pigments, neighbors: Index, diffuse: Bool, settings: Settings
+    pigments: Pigments, neighbors: Index, diffuse: Bool, settings: PublishedSettings
 ) -> PigmentGradients:
     """Select the pairs in which one density changes much and the other hardly.
 

@@ -32,7 +32,7 @@ from facecrf_ocio.published.answer import Answer, FittedCurve
 from facecrf_ocio.published.energy.log_slope import curve_of, log_slope_prior
 from facecrf_ocio.published.energy.noise_symmetry import NoiseLevels, fit_noise
 from facecrf_ocio.response.model import ResponseModel
-from facecrf_ocio.settings import Settings
+from facecrf_ocio.settings import PublishedSettings
 from facecrf_ocio.values import CHANNELS, Float, Lacking, Photo
 
 BLOCK = 8  # [px] side of a block: 64 pixels measure a variance within 18 %
@@ -58,7 +58,9 @@ MIN_RANGE = 0.3  # [encoded] from the darkest to the brightest level
 SUMMARY_SIZE = 256  # quantiles by which an answer tells where its evidence lies
 
 
-def intensity_similarity_answer(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
+def intensity_similarity_answer(
+    photo: Photo, model: ResponseModel, settings: PublishedSettings
+) -> Answer:
     """Measure the noise of uniform blocks at each level, and fit the curve that explains it."""
     step = 0.0 if photo.bit_depth is None else 1.0 / (2**photo.bit_depth - 1)
     blocks = uniform_blocks(photo.encoded)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy
 
-from facecrf_ocio.settings import Settings
+from facecrf_ocio.settings import PublishedSettings
 from facecrf_ocio.values import Bool, Float, Index
 
 GAUGE = 1e-7  # weight that pins the constant which eq. 27 leaves open; too small to move the rest
@@ -66,7 +66,7 @@ def prepare_decomposition(
     encoded: npt.NDArray[np.float32],
     normals: npt.NDArray[np.float32],
     skin: Bool,
-    settings: Settings,
+    settings: PublishedSettings,
 ) -> Decomposition:
     """Build and factorize the quadratic form of eq. 27 over the skin pixels.
 

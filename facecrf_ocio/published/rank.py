@@ -20,7 +20,7 @@ from facecrf_ocio.published.edge_selection import select_patches
 from facecrf_ocio.published.energy.rank_blend import BlendRank
 from facecrf_ocio.published.energy.term import Term
 from facecrf_ocio.response.model import ResponseModel
-from facecrf_ocio.settings import Settings
+from facecrf_ocio.settings import PublishedSettings
 from facecrf_ocio.values import CHANNELS, Float, Photo
 
 # Polynomials of degree 7 come within 0.001 of half of the DoRF curves and 0.014 of 95 % of them.
@@ -30,7 +30,7 @@ MAX_ITERATIONS = 100  # of SLSQP, at most
 TOLERANCE = 1e-7  # [energy] of SLSQP's end
 
 
-def rank_answer(photo: Photo, model: ResponseModel, settings: Settings) -> Answer:
+def rank_answer(photo: Photo, model: ResponseModel, settings: PublishedSettings) -> Answer:
     """Curves that bring the blends at the photo's edges nearest to rank 1; the estimator `rank`.
 
     Parameters
