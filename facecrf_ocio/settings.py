@@ -57,12 +57,11 @@ class JointSettings(FaceSettings):
     Attributes
     ----------
     least_chroma
-        Spread of color at a brightness over the spread of brightness, below which all color is a
-        tone laid over gray. On 28 ordinary photos it was 0.21 to 1.6, but four linear portraits of
-        one woman in studio light have 0.051 to 0.074 through film and 0.037 to 0.050 through
-        cameras, and heads with 15 % of their saturation 0.056 to 0.27. Photos made gray, toned and
-        stored as JPEG of quality 50 to 92 have 0.016 to 0.11: strongly toned ones are not told
-        from gray skin by this.
+        Of `single_curve.chroma_share`, below which all color is a tone laid over gray. Of 80
+        ordinary photos 300 to 1,600 px wide, gray skin in studio light through film and cameras
+        among them, as JPEG of quality 50 to 92, it was 0.12 and more; of the same made gray and
+        toned (sepia, selenium, cyanotype, two inks, split tones; weak and strong) 0.016 and less,
+        but up to 0.08 where the photo is 300 px wide.
     fewest_colors
         Distinct colors of a picture below which it was made with a palette, which has 256 at most.
     most_flat
@@ -73,7 +72,7 @@ class JointSettings(FaceSettings):
         0.001 and 0.05, one by libultrahdr 0.04.
     """
 
-    least_chroma: float = 0.03
+    least_chroma: float = 0.06
     fewest_colors: int = 300
     most_flat: float = 0.6
     most_scatter: float = 0.1

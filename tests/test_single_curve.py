@@ -53,6 +53,32 @@ def test_toned_black_and_white(quality: int, exponents: tuple[float, float, floa
     assert "one hue: no pigments to look at" in unfit.reason
 
 
+STRONG = {
+    "sepia": lambda gray: gray[..., None] * np.float32([1.07, 0.88, 0.68]),
+    "selenium": lambda gray: gray[..., None] + (gray * (1 - gray))[..., None] * (0.24, -0.12, 0.2),
+    "cyanotype": lambda gray: np.stack([gray**2.2, gray**1.1, gray**0.6], axis=2),
+    "two inks": lambda gray: np.stack(
+        [np.interp(gray, (0, 0.5, 1), ink) for ink in zip(*INKS, strict=True)], axis=2
+    ),
+}
+INKS = (0.05, 0.06, 0.25), (0.75, 0.35, 0.3), (1.0, 0.95, 0.8)
+
+
+@pytest.mark.parametrize("quality", [50, 95])
+@pytest.mark.parametrize("tone", STRONG)
+def test_strong_tones(tone: str, quality: int) -> None:
+    gray = grace_hopper() @ np.float32([0.299, 0.587, 0.114])
+    assert chroma_share(stored(STRONG[tone](gray), quality)) < DEFAULTS.least_chroma / 1.5
+
+
+def test_a_large_photo_is_told_like_a_small_one() -> None:
+    picture = stored(toned((0.95, 1.0, 1.05)))
+    large = cv2.resize(picture, None, fx=5, fy=5)
+    assert large.shape[0] > 2500
+    assert chroma_share(large) < DEFAULTS.least_chroma
+    assert chroma_share(cv2.resize(grace_hopper(), None, fx=5, fy=5)) > DEFAULTS.least_chroma
+
+
 @pytest.mark.parametrize("quality", [40, 95])
 def test_an_ordinary_photo_is_one(quality: int) -> None:
     picture = stored(grace_hopper(), quality)
@@ -65,7 +91,8 @@ def test_an_ordinary_photo_is_one(quality: int) -> None:
 
 def test_gray_skin_in_studio_light_is_no_toned_photo(development_data: Path) -> None:
     for path in sorted((development_data / "faces" / "linear").glob("input_*.tif")):
-        encoded = np.clip(read_photo(path).encoded, 0.0, 1.0) ** np.float32(1.0 / 2.2)
+        linear = np.clip(read_photo(path).encoded, 0.0, 1.0)
+        encoded = stored(linear ** np.float32(1.0 / 2.2))
         assert chroma_share(encoded) > DEFAULTS.least_chroma
 
 

@@ -9,17 +9,24 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import numpy.typing as npt
+from scipy.interpolate import BSpline
 
 from facecrf_ocio.settings import JointSettings
-from facecrf_ocio.values import Float, Lacking, Photo
+from facecrf_ocio.values import Bool, Float, Lacking, Photo
 
 Float32 = npt.NDArray[np.float32]
 
 _GAIN_SIDE, _GAIN_BINS = 256, 64  # [px] and brightnesses at which a gain map is looked at
-_SIDE = 768  # [px] of the middle of the picture that is looked at, at its own size
-_SMALL = 64  # [px] long side of the picture whose color is looked at
-_FEWEST_SMALL = 128  # pixels: ten and more for each of the brightnesses
-_BRIGHTNESSES = 12  # at which one hue each is asked; chosen by judgment
+_SIDE = 512  # [px] of the middle of the picture that is looked at, at its own size
+_SAMPLES = 192  # [px] of the long side at which color is looked at
+_FEWEST_SAMPLES = 512  # [px] thirty and more for each unknown of the spline
+_SEGMENTS = 16  # of the spline from brightness to color: one is 16 codes
+_RIDGE = 1e-2  # [px] holds the spline at 0 where no pixel has that brightness
+# Shares of the long side at which color is compared with that beside it: JPEG's error does not
+# reach so far, and what has a color of its own does; the farther at least so many pixels.
+_NEAR, _FAR, _LEAST_FAR = 0.0115, 0.0457, 16
+_LUMA = np.array([0.299, 0.587, 0.114])  # ITU-R BT.601, as JPEG has it
+_ROUNDING = 0.05  # [code^2] of color that varies by nothing but rounding
 _CLIPPED = (4, 251)  # [code of 255] beyond these, noise and color are cut off
 _FEWEST_PIXELS = 1024  # as many as 32 by 32, of which a share is certain to 2 %
 _ORIGINAL = "use the picture as the camera wrote it"
@@ -70,7 +77,7 @@ def gain_scatter(photo: Photo) -> float:
 
 
 def middle_codes(encoded: Float32) -> npt.NDArray[np.uint8]:
-    """(h, w, 3) the middle of a picture in 8 bits, at most 768 px on a side."""
+    """(h, w, 3) the middle of a picture in 8 bits, at most 512 px on a side."""
     top, left = (max(0, (size - _SIDE) // 2) for size in encoded.shape[:2])
     part = encoded[top : top + _SIDE, left : left + _SIDE]
     return np.asarray(np.rint(part * 255), np.uint8)
@@ -78,41 +85,70 @@ def middle_codes(encoded: Float32) -> npt.NDArray[np.uint8]:
 
 def distinct_colors(codes: npt.NDArray[np.uint8]) -> int:
     """Number of colors, by a mark for each that there can be: sorting the pixels takes longer."""
-    wide = codes.astype(np.uint32)
     seen = np.zeros(1 << 24, np.bool_)
-    seen[wide[..., 0] << 16 | wide[..., 1] << 8 | wide[..., 2]] = True
+    seen[_packed(codes)] = True
     return int(np.count_nonzero(seen))
 
 
 def flat_share(codes: npt.NDArray[np.uint8]) -> float:
     """Share of the pixels not clipped that equal those to the right and below in all channels."""
-    here, right, below = codes[:-1, :-1], codes[:-1, 1:], codes[1:, :-1]
-    same = (here == right).all(axis=2) & (here == below).all(axis=2)
-    open_ = (here.max(axis=2) > _CLIPPED[0]) & (here.min(axis=2) < _CLIPPED[1])
-    return float(same[open_].mean()) if open_.sum() >= _FEWEST_PIXELS else 0.0
+    color = _packed(codes)
+    here = color[:-1, :-1]
+    same = (here == color[:-1, 1:]) & (here == color[1:, :-1])
+    red, green, blue = (codes[:-1, :-1, c] for c in range(3))
+    open_ = np.maximum(np.maximum(red, green), blue) > _CLIPPED[0]
+    open_ &= np.minimum(np.minimum(red, green), blue) < _CLIPPED[1]
+    count = np.count_nonzero(open_)
+    return float(np.count_nonzero(same & open_) / count) if count >= _FEWEST_PIXELS else 0.0
+
+
+def _packed(codes: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint32]:
+    """(H, W) one number a color."""
+    wide = codes.astype(np.uint32)
+    return np.asarray(wide[..., 0] << 16 | wide[..., 1] << 8 | wide[..., 2], np.uint32)
 
 
 def chroma_share(encoded: Float32) -> float:
-    """Spread of color about the one that each brightness has, over the spread of brightness.
+    """How much color a picture has that its brightness does not tell; infinite of too few pixels.
 
-    Red and blue against green in a picture made so small that noise, and what JPEG does to color,
-    even out; the share is that of the 90 % quantile, since most of an ordinary picture may be gray.
+    A toned photo has one color at each brightness: a curve in color space. What is left about a
+    smooth curve is JPEG's error, which changes from pixel to pixel, while what has a color of its
+    own has it over some distance. So this is the deviation of color that pixels 1/20 of the picture
+    apart share, over the spread of brightness, times the squared odds of what near pixels share
+    against what they do not.
     """
-    scale = _SMALL / max(encoded.shape[:2])
-    small = cv2.resize(encoded, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-    pixels = 255.0 * np.asarray(small, float).reshape(-1, 3)
-    low, high = _CLIPPED
-    pixels = pixels[(pixels.min(axis=1) > low) & (pixels.max(axis=1) < high)]
-    if len(pixels) < _FEWEST_SMALL:
+    long = max(encoded.shape[:2])
+    step = max(1, long // _SAMPLES)
+    pixels = 255.0 * np.asarray(encoded[::step, ::step], np.float64)
+    usable = (pixels.min(axis=2) > _CLIPPED[0]) & (pixels.max(axis=2) < _CLIPPED[1])
+    if usable.sum() < _FEWEST_SAMPLES:
         return np.inf
-    pixels = pixels[np.argsort(pixels[:, 1], kind="stable")]
-    away = [_about_a_line(part) for part in np.array_split(pixels, _BRIGHTNESSES)]
-    return float(np.quantile(np.concatenate(away), 0.9) / max(float(pixels[:, 1].std()), 1.0))
+    luma = pixels @ _LUMA
+    left = np.zeros((*luma.shape, 2))
+    left[usable] = _about_a_curve(luma[usable], (pixels[..., (0, 2)] - luma[..., None])[usable])
+    near = _shared(left, usable, max(1, round(_NEAR * long / step)))
+    far = _shared(left, usable, max(1, round(max(_FAR * long, _LEAST_FAR) / step)))
+    whole = float((left[usable] ** 2).sum(axis=1).mean())
+    odds = near / max(whole - near, _ROUNDING)
+    return float(np.sqrt(far) / max(float(luma[usable].std()), 1.0) * odds**2)
 
 
-def _about_a_line(pixels: Float) -> Float:
-    """(N,) distance of red and blue from straight lines over green."""
-    green = pixels[:, 1] - pixels[:, 1].mean()
-    color = pixels[:, (0, 2)] - pixels[:, (0, 2)].mean(axis=0)
-    slope = green @ color / max(float(green @ green), 1e-9)
-    return np.asarray(np.hypot(*(color - green[:, None] * slope).T))
+def _about_a_curve(luma: Float, color: Float) -> Float:
+    """(N, 2) what is left of color about a cubic spline over brightness."""
+    low, high = luma.min(), luma.max()
+    place = np.clip((luma - low) / max(high - low, 1.0), 0.0, 1.0)
+    knots = np.concatenate([np.zeros(3), np.linspace(0.0, 1.0, _SEGMENTS + 1), np.ones(3)])
+    basis = BSpline.design_matrix(place, knots, 3)
+    normal = (basis.T @ basis).toarray()
+    normal += _RIDGE * np.eye(len(normal))
+    return np.asarray(color - basis @ np.linalg.solve(normal, basis.T @ color))
+
+
+def _shared(left: Float, usable: Bool, lag: int) -> float:
+    """Mean product of what is left at pixels that lie `lag` samples apart; not below 0."""
+    products = [
+        (left[:, :-lag] * left[:, lag:]).sum(axis=2)[usable[:, :-lag] & usable[:, lag:]],
+        (left[:-lag] * left[lag:]).sum(axis=2)[usable[:-lag] & usable[lag:]],
+    ]
+    found = np.concatenate(products)
+    return max(float(found.mean()), 0.0) if len(found) else 0.0
