@@ -6,8 +6,11 @@ from facecrf_ocio.values import Camera, Primaries
 
 # Film scanners and their software digitize film, whose responses are DoRF's.
 _SCANNERS = ("scan", "coolscan", "nikon ls-", "noritsu", "frontier", "vuescan", "perfection")
-# Odds of e^2 to 1: most files that name a camera come from digital cameras made after DoRF (2003),
-# and some of those were edited or developed with other curves.
+# [log odds] Of 20 cameras whose curves were solved from exposure stacks, one has a curve that is
+# likelier as film's, by a prior that saw none of them: 19 to 1. From e^2 to e^4 the error on curves
+# of cameras falls by 3 %, and grows by 9 % where a file that names one holds a picture with film's.
+_MODERN = 3.0
+# [log odds] Chosen by judgment: a scanner's file may be of a print, and a phone's be edited.
 _ODDS = 2.0
 # Profiles of phones and cameras of the last decade. Files of all ages have sRGB's and Adobe RGB's,
 # which tell nothing.
@@ -34,11 +37,11 @@ def phone_leaning(camera: Camera) -> float:
 def modern_leaning(camera: Camera, primaries: Primaries | None = None) -> float:
     """Log odds for the family `modern`; 0 where the file tells nothing of its camera.
 
-    These odds are a judgment, not a measurement: no collection of files with known responses
-    tells how often each family occurs.
+    Odds for modern ones are measured, those of scanners are a judgment: no collection of files
+    with known responses tells how often each family occurs.
     """
     text = f"{camera.make} {camera.model} {camera.software}".lower()
     if any(word in text for word in _SCANNERS):
         return -_ODDS
     recent = primaries is not None and primaries.name in _RECENT
-    return _ODDS if recent or camera.make.strip() or camera.model.strip() else 0.0
+    return _MODERN if recent or camera.make.strip() or camera.model.strip() else 0.0
