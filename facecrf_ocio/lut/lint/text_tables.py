@@ -58,7 +58,7 @@ def _lines(text: str) -> _Lines:
     """Number and words of the lines that are neither empty nor remarks, up to a table's end."""
     in_notes = False
     for line, raw in enumerate(text.split("\n"), start=1):
-        words = raw.partition("#")[0].split()
+        words = (raw.partition("#")[0] if "#" in raw else raw).split()
         if not words:
             continue
         first = words[0]
@@ -85,7 +85,15 @@ class _Read:
     def add(self, line: int | None, problem: str, remedy: str, severity: str = ERROR) -> None:
         self.findings.append(Finding(self.path, line, severity, problem, remedy))
 
+    @property
+    def is_over(self) -> bool:
+        """Whether there are more rows than promised, which is wrong whatever stands in them."""
+        return self.more > 0 and self.solid is None
+
     def row(self, line: int, words: Sequence[str]) -> None:
+        if self.is_over:
+            self.more += 1
+            return
         numbers = self._numbers(line, words)
         promised = count(self.size[1]) if self.size else None
         if self.solid is not None and self.size is None:
@@ -168,6 +176,9 @@ def _keyed(path: Path, lines: _Lines) -> list[Table]:
     ends: dict[str, tuple[int, list[str]]] = {}
     unknown = 0
     for line, words in lines:
+        if read.is_over and words[0][0].isdigit():
+            read.more += 1  # without another look, as there may be millions
+            continue
         key, values = words[0].lower(), words[1:]
         if number(key) is not None:
             read.row(line, words)
