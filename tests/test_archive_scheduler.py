@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from command_line import CODE, CommandLine, write_noise
-from dask_cluster import DaskCluster
+from dask_cluster import Certificates, DaskCluster
 from test_archive_batch import archive, files, rows  # noqa: F401 - a fixture
 
 import facecrf_ocio
@@ -279,3 +279,79 @@ def test_a_worker_with_another_version_is_told_by_name(
     assert ended.code == 1
     assert f"facecrf_ocio is 0.0.1 there and {__version__} here" in ended.err
     assert rows(tmp_path / "o") == []
+
+
+@pytest.fixture(scope="module")
+def certificates(tmp_path_factory):
+    if shutil.which("openssl") is None:
+        pytest.skip("there is no openssl here to make certificates")
+    return Certificates(tmp_path_factory.mktemp("certificates"))
+
+
+@pytest.fixture(scope="module")
+def tls_cluster(certificates, tmp_path_factory):
+    """A scheduler and a worker that speak TLS alone."""
+    pytest.importorskip("distributed", reason="the extra cluster is not installed")
+    with DaskCluster(tmp_path_factory.mktemp("tls"), certificates) as running:
+        running.add_worker("--no-nanny")
+        yield running
+
+
+def shown(certificates, who="own"):
+    """As `facecrf batch` takes them."""
+    return [option.replace("--tls-ca-file", "--tls-ca") for option in certificates.options(who)]
+
+
+@pytest.mark.slow
+def test_a_cluster_that_speaks_tls_alone_does_what_a_local_run_does(
+    facecrf,
+    archive,  # noqa: F811
+    tls_cluster,
+    certificates,
+    tmp_path,
+):
+    local, remote = tmp_path / "local", tmp_path / "remote"
+    assert tls_cluster.address.startswith("tls://")
+    assert batch(facecrf, archive, local, "--jobs", "1").code == 3
+    how = ("--scheduler", tls_cluster.address, *shown(certificates))
+    ended = batch(facecrf, archive, remote, *how)
+    assert ended.code == 3, ended.err + tls_cluster.log()
+    assert rows(remote) == rows(local)
+    assert files(remote) == files(local)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("client", ["plain", "plain to the port", "stranger"])
+def test_who_shows_no_certificate_of_the_authority_is_refused(
+    facecrf,
+    archive,  # noqa: F811
+    tls_cluster,
+    certificates,
+    tmp_path,
+    client,
+):
+    address = tls_cluster.address
+    if client == "plain to the port":
+        address = address.replace("tls://", "tcp://")
+    how = shown(certificates, "stranger") if client == "stranger" else ()
+    ended = batch(facecrf, archive, tmp_path / "o", "--scheduler", address, *how)
+    assert ended.code == 1
+    (line,) = ended.err.splitlines()
+    assert f"{address}: no Dask scheduler answers there" in line
+    assert ("--tls-ca" in line) == (client != "stranger")
+    assert files(tmp_path / "o") == {}
+
+
+def test_certificates_that_cannot_be_read_are_told(facecrf, archive, tmp_path):  # noqa: F811
+    pytest.importorskip("distributed", reason="the extra cluster is not installed")
+    none = [f"--tls-{what}={tmp_path / 'none.pem'}" for what in ("ca", "cert", "key")]
+    ended = batch(facecrf, archive, tmp_path / "o", "--scheduler", "tls://127.0.0.1:1", *none)
+    assert ended.code == 2
+    assert "none.pem: cannot be read; name a file in PEM" in ended.err
+
+
+def test_certificates_belong_together(facecrf, archive, tmp_path):  # noqa: F811
+    one = f"--tls-ca={archive / 'a.jpg'}"
+    ended = batch(facecrf, archive, tmp_path / "o", "--scheduler", "tls://127.0.0.1:1", one)
+    assert ended.code == 2
+    assert "belong together" in ended.err

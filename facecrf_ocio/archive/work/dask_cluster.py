@@ -66,7 +66,7 @@ class ClusterPool:
         self._versions = versions()
         self._processors: frozenset[str] = frozenset()
         self._mark = folder / f"{_MARK}{os.urandom(8).hex()}"
-        self._flying: dict[str, tuple[Future, Task]] = {}
+        self._flying: dict[str, tuple[Future, Task, bool]] = {}  # whether its photo was sent
         self._answers: deque[tuple[Task, Result]] = deque()
         self._landed: queue.SimpleQueue[str] = queue.SimpleQueue()
         self._client: Client
@@ -133,7 +133,7 @@ class ClusterPool:
         self._number += 1
         key = f"{self._mark.name.removeprefix('.')}-{self._number}"
         future = self._client.submit(unpack, parcel, key=key, pure=False, retries=_RETRIES)
-        self._flying[key] = future, task
+        self._flying[key] = future, task, photo is not None
         future.add_done_callback(lambda done: self._landed.put(str(done.key)))
 
     def results(self) -> Iterator[tuple[Task, Result]]:
@@ -157,7 +157,7 @@ class ClusterPool:
                     answered = True
                     yield self._answers.popleft()
 
-    def _answer(self, future: Future, task: Task) -> tuple[Task, Result | None]:
+    def _answer(self, future: Future, task: Task, sent: bool) -> tuple[Task, Result | None]:
         """Return what came of a photo, None if it was handed out anew."""
         from distributed import KilledWorker  # noqa: PLC0415 - an extra
 
@@ -183,7 +183,7 @@ class ClusterPool:
             self._ship_from_now_on(plain_text(delivery.unseen))
             self.submit(task)
             return task, None
-        return task, accepted(task, delivery, shipped=self.shipping)
+        return task, accepted(task, delivery, shipped=sent)
 
     def _ship_from_now_on(self, unseen: str) -> None:
         if self.cluster.ship is False:

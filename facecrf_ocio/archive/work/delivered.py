@@ -20,6 +20,8 @@ def accepted(task: Task, delivery: Delivery, *, shipped: bool) -> Result:
     """
     try:
         result = checked(task, delivery.result)
+        if not shipped and delivery.contents != ():
+            raise ValueError("it sends files that nobody asked for")
         if shipped and not _is_whole(result, delivery.contents):
             raise ValueError("its files came damaged")
     except (ValueError, TypeError) as error:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from dataclasses import replace
 
@@ -14,6 +13,8 @@ from facecrf_ocio.values import Outcome, Verdict
 _OUTCOMES = frozenset((FAILED, *map(str, Outcome)))
 _VERDICTS = frozenset(("", *map(str, Verdict)))
 _SHA256 = re.compile("[0-9a-f]{64}")
+_MOST = float(1 << 63)  # the manifest's whole numbers are below
+_LONGEST = 1 << 26  # [byte] evidence of a photo; real one takes less than 200 kB
 
 
 def checked(task: Task, said: object) -> Result:
@@ -26,14 +27,17 @@ def checked(task: Task, said: object) -> Result:
     """
     if not isinstance(said, Result):
         raise ValueError("it is no result")
+    _require(isinstance(said.outcome, str) and isinstance(said.verdict, str))
     _require(said.outcome in _OUTCOMES or (said.outcome == "" and _is_evidence(task, said)))
+    _require(said.outcome == "" or said.gathered is None)
     _require(said.verdict in _VERDICTS)
     _require(said.sha256 == "" or _is_hash(said.sha256))
     _require(isinstance(said.timing, Timing) and isinstance(said.shot, Shot))
-    _require(isinstance(said.lasting, bool) and len(said.camera) == 4)
+    _require(isinstance(said.lasting, bool))
+    _require(isinstance(said.camera, tuple) and len(said.camera) == 4)
     shot = said.shot
     for number in (*_timing(said.timing), shot.taken, shot.exposure_s, shot.aperture, shot.iso):
-        _require(isinstance(number, float | int) and math.isfinite(number))
+        _require(_is_number(number))
     _require_outputs(task, said.outputs)
     make, model, serial, software = map(plain_text, said.camera)
     return replace(
@@ -56,7 +60,9 @@ def _is_evidence(task: Task, said: Result) -> bool:
     if task.step != GATHER or not isinstance(gathered, Gathered) or said.outputs:
         return False
     texts = isinstance(gathered.evidence, str) and isinstance(gathered.face, str)
-    return texts and isinstance(gathered.samples, bytes)
+    if not texts or not isinstance(gathered.samples, bytes):
+        return False
+    return len(gathered.evidence) + len(gathered.face) + len(gathered.samples) < _LONGEST
 
 
 def _require_outputs(task: Task, outputs: object) -> None:
@@ -65,12 +71,18 @@ def _require_outputs(task: Task, outputs: object) -> None:
     names = []
     for output in outputs:
         _require(isinstance(output, Output))
-        _require(isinstance(output.size, int) and output.size >= 0 and _is_hash(output.sha256))
-        _require(isinstance(output.written_ns, int))
+        _require(isinstance(output.name, str) and _is_hash(output.sha256))
+        _require(isinstance(output.size, int) and 0 <= output.size < _MOST)
+        _require(isinstance(output.written_ns, int) and 0 <= output.written_ns < _MOST)
         names.append(output.name)
     unasked = set(names) - set(task.planned)
     if unasked or len(set(names)) != len(names):
         raise ValueError(f"it names {plain_text(min(unasked or names))}, which was not asked for")
+
+
+def _is_number(number: object) -> bool:
+    """Finite, and small enough for the manifest; a whole one may be too large for a float."""
+    return isinstance(number, float | int) and -_MOST < number < _MOST
 
 
 def _is_hash(text: object) -> bool:
