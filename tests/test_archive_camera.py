@@ -103,6 +103,28 @@ def test_a_photo_that_does_not_fit_is_told_and_keeps_its_own_curve(tmp_path, poo
     assert np.array_equal(curve_of(output, "0.jpg"), curve_of(output, "1.jpg"))
 
 
+def test_a_photo_that_tells_of_an_edit_neither_gives_nor_gets_its_cameras_curve(
+    tmp_path, pooled, facecrf
+):
+    source, output, alone = (tmp_path / name for name in ("photos", "luts", "alone"))
+    names = ("0.jpg", "1.jpg")
+    for number, name in enumerate(names):
+        write_face(source / name, number, **ONE)
+        write_face(source / f"edit {name}", number, **ONE, Software="Adobe Photoshop 25.0")
+    pooled(source, output)
+    facecrf("batch", source, "-o", alone, "--formats", "spi1d")
+    assert table(output, "SELECT members, software FROM cameras") == [(2, "")]
+    for name in names:
+        assert files(output)[f"edit {name}.spi1d"] == files(alone)[f"edit {name}.spi1d"]
+        reason = dict(table(output, "SELECT name, reason FROM photos"))[f"edit {name}"]
+        assert reason.endswith(
+            "apart from its camera's other photos: it was edited (Adobe Photoshop 25.0)"
+        )
+    assert np.array_equal(curve_of(output, "0.jpg"), curve_of(output, "1.jpg"))
+    together = calibrate_together(read_photo(source / name) for name in names)
+    assert np.array_equal(curve_of(output, "0.jpg"), together.estimate.curve.linear)
+
+
 def test_photos_that_join_later_give_all_members_a_new_curve(archive, tmp_path, pooled):
     output, whole = tmp_path / "luts", tmp_path / "whole"
     late = (archive / "sub" / "b.jpg").rename(tmp_path / "b.jpg")

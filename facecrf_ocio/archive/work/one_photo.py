@@ -86,7 +86,11 @@ def _attempt(task: Task) -> Result:
 
 
 def _is_poolable(photo: Photo) -> bool:
-    """Whether a photo has a curve, and a camera to share it with."""
+    """Whether a photo has a curve, and a camera to share it with: an edited one has its own."""
+    return _has_camera(photo) and not photo.edits
+
+
+def _has_camera(photo: Photo) -> bool:
     return not photo.scene_linear and bool(photo.camera.make or photo.camera.model)
 
 
@@ -108,12 +112,19 @@ def _estimate(task: Task, photo: Photo) -> tuple[Result, Estimate]:
         str(estimate.outcome),
         "" if estimate.confidence is None else str(estimate.confidence.verdict),
         estimate.estimator,
-        estimate.reason,
+        _reason(task, photo, estimate),
         estimate.remedy,
         photo.sha256 or "",
         _camera(photo),
     )
     return result, estimate
+
+
+def _reason(task: Task, photo: Photo, estimate: Estimate) -> str:
+    """The estimate's, and why a photo does not share its camera's curve."""
+    if not task.recipe.pool or not photo.edits or not _has_camera(photo):
+        return estimate.reason
+    return f"{estimate.reason}; apart from its camera's other photos: {', '.join(photo.edits)}"
 
 
 def _found(task: Task, photo: Photo) -> Estimate:
