@@ -8,9 +8,12 @@ import json
 import re
 import shutil
 import sqlite3
+import sys
 from html.parser import HTMLParser
 from io import BytesIO
 from pathlib import Path
+from urllib.parse import urljoin, urlsplit
+from urllib.request import url2pathname
 
 import numpy as np
 import pytest
@@ -25,6 +28,8 @@ from selenium.webdriver.support.wait import WebDriverWait
 from facecrf_ocio.archive.job import Job
 from facecrf_ocio.archive.manifest.database import FILE
 from facecrf_ocio.archive.report import write_report
+from facecrf_ocio.archive.report.links import relative_url
+from facecrf_ocio.archive.report.reason_kinds import reason_kinds
 from facecrf_ocio.archive.run import run
 from facecrf_ocio.archive.task import Recipe
 from facecrf_ocio.archive.walk import photos_under
@@ -191,6 +196,78 @@ def test_thumbnails_show_the_photo_as_encoded_and_linearized(archive, name):
     assert np.abs(before - after).mean() > 0.02
 
 
+def test_large_pictures_are_for_the_first_photos_that_are_worth_a_look(archive, monkeypatch):
+    module = sys.modules["facecrf_ocio.archive.report.write_report"]  # a function hides it
+    monkeypatch.setattr(module, "LARGE", 4)
+    page = page_of(archive)
+    large = [name for name in page.texts if name.startswith("large-")]
+    assert 1 <= len(large) <= 4
+    before, after = (decoded(text) for text in json.loads(page.texts[large[0]]))
+    assert before.shape == after.shape
+    assert max(before.shape) > 96
+
+
+def test_each_photo_says_what_to_expect_and_names_its_files(archive):
+    page = page_of(archive)
+    row = page.row("film.jpg")
+    record = json.loads((archive / "film.jpg.crf.json").read_text(encoding="utf-8"))
+    assert page.word("line", row)
+    assert record["summary"].startswith(page.word("line", row))
+    assert page.word("sentence", row).startswith(page.word("line", row))
+    assert "--together" not in page.word("sentence", row)
+    assert page.word("steps", row).splitlines()[0].startswith("Apply it")
+    assert page.word("files", row).splitlines() == ["*.spi1d", "*.crf.json"]
+    assert page.data["links"] == ["../photos", "."]
+
+
+def test_reasons_of_one_kind_stand_together():
+    said = [
+        'is cut short (JPEG error: ends ("/tmp/a/picture.jpg"))',
+        "is cut short (TIFF error: no tag 7)",
+        "is 5 pixels high",
+        "is 7 pixels high",
+        "holds 'x'; alone of its kind (16-bit)",
+    ]
+    kinds = reason_kinds(said)
+    assert kinds[0] == kinds[1] == "is cut short"
+    assert kinds[2] == kinds[3] == "is … pixels high"
+    assert kinds[4] == said[4]
+
+
+@pytest.mark.parametrize("name", ["a b.jpg", "ü#?.jpg", "100%.jpg"])
+def test_addresses_lead_from_the_page_to_the_file(tmp_path, name):
+    page, target = tmp_path / "out" / "page.html", tmp_path / "in" / name
+    there = urljoin(page.as_uri(), relative_url(page, target))
+    assert Path(url2pathname(urlsplit(there).path)) == target
+
+
+def test_the_page_of_one_photo_holds_its_pictures_and_links_its_files(facecrf, archive):
+    photo, record = archive.parent / "photos" / "film.jpg", archive / "film.jpg.crf.json"
+    page = archive.parent / "one.html"
+    ended = facecrf("show", photo, "--record", record, "-o", page)
+    assert ended.code == 0
+    shown = Scripts(page.read_bytes())
+    before, after = (decoded(text) for text in json.loads(shown.texts["large-0"]))
+    assert before.shape == after.shape == (360, 240, 3)
+    names = [name.replace("*", "film.jpg") for name in shown.word("files", 0).splitlines()]
+    assert names == ["film.jpg.spi1d", "film.jpg.crf.json"]
+    assert shown.data["links"] == ["photos", "luts"]
+    assert facecrf("show", photo, "--record", record, "-o", page).code == 0  # replaces its own
+    other = facecrf("show", archive.parent / "photos" / ODD, "--record", record, "-o", page)
+    assert other.code == 2
+    assert "record of another photo" in other.err
+
+
+def test_a_photo_without_a_curve_has_a_page_that_says_why(facecrf, tmp_path):
+    photo = write_noise(tmp_path / "noise.png")
+    ended = facecrf("show", photo, "-o", tmp_path / "noise.html")
+    assert ended.code == 4
+    shown = Scripts((tmp_path / "noise.html").read_bytes())
+    assert shown.data["columns"]["curve"] == [-1]
+    assert shown.word("reason", 0)
+    assert shown.word("steps", 0)
+
+
 def test_a_turned_photo_is_shown_upright(facecrf, tmp_path):
     (tmp_path / "photos").mkdir()
     exif = Image.Exif()
@@ -259,8 +336,12 @@ def test_photos_and_outputs_stay_as_they_are(facecrf, archive):
     assert facecrf("verify", archive).code == 0
 
 
-def test_a_report_is_not_replaced_unless_asked(facecrf, archive):
+def test_a_report_replaces_its_own_page_and_no_other_file(facecrf, archive):
     page = archive / REPORT
+    assert facecrf("report", archive).code == 0
+    page.write_bytes(page.read_bytes().replace(b"</html>", b"<!-- older --></html>"))
+    assert facecrf("report", archive).code == 0
+    assert b"<!-- older -->" not in page.read_bytes()
     page.write_text("mine", encoding="utf-8")
     ended = facecrf("report", archive)
     assert ended.code == 1
@@ -538,3 +619,67 @@ def test_it_follows_the_system_and_has_no_barriers(window, theme):
     page.one("#body .link").click()
     found += Axe().run(window, context="#details")["violations"]
     assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_a_phone_shows_cards_and_nothing_to_scroll_sideways(window, theme):
+    use_theme(window, theme)
+    size = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
+    window.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    try:
+        page = Page(window)
+        assert window.execute_script("return document.documentElement.scrollWidth") == 390
+        row = page.one("#body tr")
+        assert row.value_of_css_property("display") == "block"
+        assert page.one("#head").is_displayed() is False
+        page.one("#sort option[value=kind]").click()
+        found = Axe().run(window)["violations"]
+        page.one("#body .link").click()
+        found += Axe().run(window, context="#details")["violations"]
+        assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
+    finally:
+        window.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+@pytest.mark.slow
+def test_a_photo_is_compared_with_the_keyboard_at_any_exposure(window):
+    page = Page(window)
+    page.one("#search").send_keys("film")
+    page.wait(lambda: page.names == ["film.jpg"])
+    page.one("#body .link").click()
+    slider = page.one("#details [type=range]")
+    slider.send_keys(Keys.HOME)
+    at = "return document.querySelector('.stage').style.getPropertyValue('--at')"
+    assert window.execute_script(at) == "0%"
+    slider.send_keys(Keys.ARROW_RIGHT)
+    assert window.execute_script(at) == "1%"
+    brighter = page.one("#details .exposures [aria-label='2 stops brighter']")
+    brighter.send_keys(Keys.ENTER)
+    assert brighter.get_attribute("aria-pressed") == "true"
+    table = page.one("feFuncR").get_dom_attribute("tableValues").split()
+    linear = 4 * ((100 / 255 + 0.055) / 1.055) ** 2.4
+    assert float(table[100]) == pytest.approx(1.055 * linear ** (1 / 2.4) - 0.055, abs=1e-4)
+    assert "exposed" in page.one(".stage").get_attribute("class")
+    links = [each.get_attribute("href") for each in page.all("#details .files a")]
+    assert [link.rsplit("/", 1)[1] for link in links] == [
+        *("film.jpg", "film.jpg.spi1d", "film.jpg.crf.json")
+    ]
+    assert all(Path(url2pathname(urlsplit(link).path)).is_file() for link in links)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [390, 1400])
+def test_the_page_of_one_photo_has_no_barriers(window, tmp_path, width, facecrf):
+    photo = smooth_photo(tmp_path / "a.png", 3)
+    assert facecrf("show", photo, "--estimator", "mean", "-o", tmp_path / "a.html").code == 0
+    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
+    window.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    try:
+        window.get((tmp_path / "a.html").as_uri())
+        assert "prior only" in window.find_element("css selector", ".says").text
+        assert window.execute_script("return document.documentElement.scrollWidth") == width
+        assert Axe().run(window)["violations"] == []
+    finally:
+        window.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+        asked_for(window)

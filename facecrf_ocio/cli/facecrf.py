@@ -33,6 +33,7 @@ from facecrf_ocio.cli.options import (
 )
 from facecrf_ocio.cli.pair_command import pair
 from facecrf_ocio.cli.report_command import report
+from facecrf_ocio.cli.show_command import show
 from facecrf_ocio.cli.terminal import (
     DONE,
     EXIT_CODES,
@@ -70,6 +71,7 @@ main.add_command(lint)
 main.add_command(batch)
 main.add_command(verify)
 main.add_command(report)
+main.add_command(show)
 main.add_command(explain)
 main.add_command(doctor)
 

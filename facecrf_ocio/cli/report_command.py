@@ -14,7 +14,7 @@ from facecrf_ocio.files.threads import usable_cores
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("-o", "--output", type=TEXT_PATH, metavar="FILE.html", help="FOLDER's by default.")
-@click.option("--overwrite", is_flag=True, help="Replace an existing report.")
+@click.option("--overwrite", is_flag=True, help="Replace even a file that is no report.")
 @click.option(
     "--pictures",
     default=10_000,

@@ -19,19 +19,30 @@ class Surface:
         More photos of one camera; a raw file beside the JPEG, or a bracket; the original file.
     fallback
         A curve where the photo gives none.
+    apply
+        How a LUT is put to use.
     """
 
     together: str
     pair: str
     larger: str
     fallback: str
+    apply: str = "load its LUT in your host"
 
 
 COMMAND_LINE = Surface(
-    "--together with more photos of this camera",
+    "`facecrf calibrate --together` with more photos of this camera",
     "`facecrf pair` with a raw file or a bracket",
     "the original instead of a small copy",
     "--fallback mean",
+    "`facecrf linearize`, or its LUT in your host",
+)
+ARCHIVE = Surface(
+    "`facecrf batch --pool camera` with more photos of this camera",
+    "`facecrf pair` with a raw file or a bracket",
+    "the original instead of a small copy",
+    "`facecrf batch --fallback mean`",
+    "its LUT in your host, or `facecrf batch --exr`",
 )
 PYTHON = Surface(
     "calibrate_together(photos) of this camera",
@@ -55,19 +66,28 @@ _SAID = {
 
 def sentence(estimate: Estimate, surface: Surface = ANYWHERE) -> str:
     """Return what to expect of a curve and what would make it better; or why there is none."""
+    if estimate.outcome in (Outcome.ALREADY_LINEAR, Outcome.NAMED):
+        return expected(estimate)
+    told = expectation(estimate)
+    if told is None:
+        return f"{estimate.reason}; {remedy(estimate, surface)}"
+    if told.verdict is Verdict.RELIABLE:
+        return expected(estimate)
+    return f"{expected(estimate)}; surer: {surface.together}, or {surface.pair}"
+
+
+def expected(estimate: Estimate) -> str:
+    """Return what to expect of a curve alone; empty where there is none."""
     if estimate.outcome is Outcome.ALREADY_LINEAR:
         return "linear already: use the pixels as they are"
     if estimate.outcome is Outcome.NAMED:
         return estimate.reason
-    expected = expectation(estimate)
-    if expected is None:
-        return f"{estimate.reason}; {remedy(estimate, surface)}"
+    told = expectation(estimate)
+    if told is None:
+        return ""
     fixed = estimate.outcome is Outcome.FALLBACK
-    begin = f"{estimate.reason}; expect" if fixed else _SAID[expected.verdict]
-    parts = [f"{begin} {error_words(expected)}", srgb_words(expected)]
-    if expected.verdict is not Verdict.RELIABLE:
-        parts.append(f"surer: {surface.together}, or {surface.pair}")
-    return "; ".join(parts)
+    begin = f"{estimate.reason}; expect" if fixed else _SAID[told.verdict]
+    return f"{begin} {error_words(told)}; {srgb_words(told)}"
 
 
 def details(estimate: Estimate) -> tuple[str, ...]:

@@ -12,8 +12,9 @@ from itertools import islice
 from typing import TypeVar
 
 from facecrf_ocio import __version__
-from facecrf_ocio.archive.report.contents import KINDS, Archive, Bracket, Group
+from facecrf_ocio.archive.report.contents import KINDS, Archive, Bracket, Group, Row
 from facecrf_ocio.archive.report.pictures import SIDE, Pictures
+from facecrf_ocio.archive.report.reason_kinds import reason_kinds
 from facecrf_ocio.archive.report.small_curves import (
     STOPS_RANGE,
     CurveList,
@@ -26,9 +27,15 @@ BLOCK = 50
 
 # Parts of the one script, in the order in which they stand in it: later ones use earlier ones.
 _PARTS = (
-    *("elements", "curves", "stops", "pictures", "rows", "choice", "table", "pages", "detail"),
-    *("summary", "sections", "cameras", "brackets", "filters", "start"),
+    *("elements", "curves", "stops", "pictures", "rows", "choice", "columns", "table", "pages"),
+    *("compare", "files", "detail", "summary", "sections", "why", "cameras", "brackets"),
+    *("filters", "start"),
 )
+
+ARCHIVE_PAGE = "facecrf: report of an archive"
+"""Title in the file of a report, by which an older one is known."""
+PHOTO_PAGE = "facecrf: one photo"
+"""Title in the file of the page of one photo."""
 
 _Value = TypeVar("_Value")
 
@@ -48,7 +55,13 @@ class _Words:
 
 
 def render(
-    archive: Archive, pictures: Mapping[str, Pictures], *, generated: str, source_is_there: bool
+    archive: Archive,
+    pictures: Mapping[str, Pictures],
+    *,
+    generated: str,
+    source_is_there: bool,
+    links: tuple[str, str] = ("", ""),
+    template: str = "page.html",
 ) -> bytes:
     """Return the HTML of a report.
 
@@ -62,6 +75,10 @@ def render(
         Date and time to be shown.
     source_is_there
         Whether the folder of the photos could be found.
+    links
+        Addresses of the folders of the photos and of the outputs; empty where none is known.
+    template
+        Of an archive or of one photo.
     """
     curves = CurveList()
     words = _Words()
@@ -75,7 +92,10 @@ def render(
         "kinds": KINDS,
         "side": SIDE,
         "block": BLOCK,
+        "links": links,
         "pictured": len(pictures),
+        "large": sum(item.large is not None for item in pictures.values()),
+        "small": sum(1 for item in pictures.values() if item.before and not item.large),
         "srgb": srgb_samples(),
         "stopsRange": STOPS_RANGE,
         "groups": [_group(group, curves) for group in archive.groups],
@@ -87,7 +107,10 @@ def render(
     shown = [pictures[row.name] for row in archive.rows if row.name in pictures]
     for number, block in enumerate(_batched(shown, BLOCK)):
         blocks[f"pictures-{number}"] = _json([[item.before, item.after] for item in block])
-    return _assemble(blocks)
+    for number, item in enumerate(shown):
+        if item.large is not None:
+            blocks[f"large-{number}"] = _json(item.large)
+    return _assemble(blocks, template)
 
 
 def _columns(
@@ -106,6 +129,7 @@ def _columns(
         "outcome": words.column(row.outcome for row in rows),
         "estimator": words.column(row.estimator for row in rows),
         "reason": words.column(row.reason for row in rows),
+        "reasonKind": words.column(reason_kinds(row.reason for row in rows)),
         "remedy": words.column(row.remedy for row in rows),
         "make": words.column(row.camera[0] for row in rows),
         "model": words.column(row.camera[1] for row in rows),
@@ -119,12 +143,31 @@ def _columns(
         "seconds": [round(row.seconds, 2) for row in rows],
         "faces": [-1 if item is None else item.faces for item in seen],
         "missing": words.column("" if item is None else item.missing for item in seen),
+        **{name: words.column(_told(item, name) for item in seen) for name in _TOLD},
+        "files": words.column(
+            "\n".join(_endings(row, item)) for row, item in zip(rows, seen, strict=True)
+        ),
         "picture": [-1 if item is None else next(places) for item in seen],
         "curve": [curves.place(curve) for curve in drawn],
         "band": [-1 if curve is None else curve.band for curve in drawn],
         "stops": [-1 if told is None else round(told[0], 3) for told in expected],
         "shadows": [-1 if told is None else round(told[1], 3) for told in expected],
     }
+
+
+# Texts of `Pictures` that are columns; of several lines each.
+_TOLD = ("line", "sentence", "steps")
+
+
+def _told(shown: Pictures | None, name: str) -> str:
+    said = "" if shown is None else getattr(shown, name)
+    return said if isinstance(said, str) else "\n".join(said)
+
+
+def _endings(row: Row, shown: Pictures | None) -> Iterable[str]:
+    """Names of a photo's files, with `*` for what most begin with: the photo's name."""
+    files = () if shown is None else shown.files
+    return (f"*{n.removeprefix(row.name)}" if n.startswith(row.name) else n for n in files)
 
 
 def _group(group: Group, curves: CurveList) -> dict[str, object]:
@@ -164,8 +207,8 @@ def _json(value: object) -> str:
     return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
 
 
-def _assemble(blocks: Mapping[str, str]) -> bytes:
-    template, style, script = _source("page.html"), _source("page.css"), page_script()
+def _assemble(blocks: Mapping[str, str], page: str) -> bytes:
+    template, style, script = _source(page), _source("page.css"), page_script()
     # Nothing may run or be styled but what is hashed here; nothing may be fetched at all.
     policy = (
         f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; "

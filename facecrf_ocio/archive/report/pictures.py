@@ -1,27 +1,22 @@
-"""The small pictures of one photo: as encoded, and linearized; and its curve."""
+"""What is shown of one photo: small and large pictures, its curve, and what to expect of it."""
 
 from __future__ import annotations
 
 import base64
-import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from io import BytesIO
-from pathlib import Path, PurePosixPath
 
 import cv2
 import numpy as np
-import numpy.typing as npt
-from PIL import Image, ImageOps
+from PIL import Image
 
-from facecrf_ocio.archive.report.contents import Archive, Row
 from facecrf_ocio.archive.report.small_curves import DrawnCurve, drawn
 from facecrf_ocio.color.srgb import encode_srgb
-from facecrf_ocio.errors import FaceCRFError
 from facecrf_ocio.image.lookup import curve_lookup
 from facecrf_ocio.photo.pixels import Pixels, code_values
-from facecrf_ocio.photo.read import read_photo
-from facecrf_ocio.record.sidecar import SUFFIX, Sidecar, read_sidecar
-from facecrf_ocio.values import Outcome
+from facecrf_ocio.values import Estimate, InverseCRF, Outcome
+from facecrf_ocio.wording.next_steps import next_steps
+from facecrf_ocio.wording.sentence import ARCHIVE, Surface, expected, sentence
 
 SIDE = 96
 """[pixel] Longer side of a thumbnail."""
@@ -29,13 +24,8 @@ SIDE = 96
 QUALITY = 60
 """Of WebP: at this size a better one cannot be told apart on a screen."""
 
-GONE = "The photo is no longer there."
-CHANGED = "The photo has changed since it was calibrated."
-UNREADABLE = "The photo cannot be read any more."
-NO_RECORD = "The record of its calibration is missing or damaged."
-NOT_OPENED = "Not opened again, since it could not be read before."
-
-_JPEG = (".jpg", ".jpeg", ".jpe")
+LARGE_QUALITY = 78
+"""Of WebP: large pictures are looked at three stops up, where a lower one shows its blocks."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +36,8 @@ class Pictures:
     ----------
     before, after
         Base64 of WebP; empty where there is none.
+    large
+        The same at a size to compare them at; empty where there is none.
     missing
         Why a picture is missing; empty if none is.
     curve
@@ -54,99 +46,87 @@ class Pictures:
         Number of faces used.
     expected
         [stop] Expected error over codes 64 to 235, and in the shadows; None where it is not known.
+    line, sentence, steps
+        What to expect of the curve; the same with what would make it surer; what to do next.
+    files
+        Names of the files that were written of the photo.
     """
 
     before: str = ""
     after: str = ""
+    large: tuple[str, str] | None = None
     missing: str = ""
     curve: DrawnCurve | None = None
     faces: int = 0
     expected: tuple[float, float] | None = None
+    line: str = ""
+    sentence: str = ""
+    steps: tuple[str, ...] = ()
+    files: tuple[str, ...] = ()
 
 
-def pictures_of(archive: Archive, row: Row) -> Pictures:
-    """Read a photo, without changing it, and its sidecar, and make its small pictures.
+def told(estimate: Estimate, files: tuple[str, ...] = (), surface: Surface = ARCHIVE) -> Pictures:
+    """What an estimate says, still without pictures."""
+    return Pictures(
+        curve=_curve(estimate),
+        faces=len(estimate.faces),
+        expected=_in_stops(estimate),
+        line=expected(estimate),
+        sentence=sentence(estimate, surface),
+        steps=next_steps(estimate, surface),
+        files=files,
+    )
 
-    Nothing that is wrong with the photo is an error here. A photo that failed is not opened, for
-    it may have crashed or hung its decoder.
+
+def with_images(
+    shown: Pictures, encoded: Pixels, inverse: InverseCRF | None, *, linear: bool, large: int = 0
+) -> Pictures:
+    """Add the pictures.
+
+    Parameters
+    ----------
+    shown
+        What is told of the photo.
+    encoded
+        (H, W, 3) its values.
+    inverse
+        Its curve; None if it has none.
+    linear
+        Whether its values are linear light already.
+    large
+        [pixel] Longer side of the large pictures; 0 for none.
     """
-    if row.kind == "failed":
-        return Pictures(missing=NOT_OPENED)
-    sidecar, problem = _sidecar(archive.folder, row)
-    curve, expected = _curve_of(sidecar)
-    faces = 0 if sidecar is None else len(sidecar.estimate.faces)
-    inverse = None if sidecar is None else sidecar.estimate.found
-    linear = row.outcome == str(Outcome.ALREADY_LINEAR)
-    try:
-        _require_unchanged(archive.source, row)
-        encoded = _read(_path(archive.source, row), linear=linear)
-    except _MissingError as missing:
-        return Pictures(missing=str(missing), curve=curve, faces=faces, expected=expected)
     light = encoded if linear else None
     if inverse is not None and light is None:
-        light = curve_lookup(inverse).apply(_shrunk(encoded, 2 * SIDE))
-    after = "" if light is None else _webp(encode_srgb(_shrunk(light, SIDE)).astype(np.float32))
-    before = after if linear else _webp(encoded)
-    return Pictures(before, after, problem, curve, faces, expected)
+        light = curve_lookup(inverse).apply(_shrunk(encoded, 2 * max(SIDE, large)))
+
+    def pair(side: int, quality: int) -> tuple[str, str]:
+        after = "" if light is None else _shown_light(light, side, quality)
+        return after if linear else _webp(encoded, side, quality), after
+
+    before, after = pair(SIDE, QUALITY)
+    both = pair(large, LARGE_QUALITY) if large else None
+    return replace(shown, before=before, after=after, large=both)
 
 
-def _curve_of(sidecar: Sidecar | None) -> tuple[DrawnCurve | None, tuple[float, float] | None]:
-    """The curve with its band, and its expected errors in stops."""
-    estimate = None if sidecar is None else sidecar.estimate
-    if estimate is None or estimate.found is None or estimate.confidence is None:
-        return None, None
-    told = estimate.confidence.in_stops
-    expected = None if told is None else (told.mid, told.shadows)
-    return drawn(estimate.found, estimate.confidence.sigma, told), expected
+def _curve(estimate: Estimate) -> DrawnCurve | None:
+    if estimate.found is None or estimate.confidence is None:
+        return None
+    return drawn(estimate.found, estimate.confidence.sigma, estimate.confidence.in_stops)
 
 
-class _MissingError(Exception):
-    """A photo of which there is no picture; the text says why."""
+def _in_stops(estimate: Estimate) -> tuple[float, float] | None:
+    stops = None if estimate.confidence is None else estimate.confidence.in_stops
+    return None if stops is None else (stops.mid, stops.shadows)
 
 
-def _path(source: Path | None, row: Row) -> Path:
-    if source is None:
-        raise _MissingError(GONE)
-    return source / PurePosixPath(row.name)
+def is_linear(estimate: Estimate) -> bool:
+    """Whether the photo's values are light as they are."""
+    return estimate.outcome is Outcome.ALREADY_LINEAR
 
 
-def _require_unchanged(source: Path | None, row: Row) -> None:
-    try:
-        status = _path(source, row).stat()
-    except (OSError, ValueError):
-        raise _MissingError(GONE) from None
-    if (status.st_size, status.st_mtime_ns) != (row.size, row.mtime_ns):
-        raise _MissingError(CHANGED)
-
-
-def _sidecar(folder: Path, row: Row) -> tuple[Sidecar | None, str]:
-    """The photo's record, and what is wrong if it should be there and is not."""
-    if not row.curve and row.kind in ("no curve", "unfinished"):
-        return None, ""
-    try:
-        return read_sidecar(folder / PurePosixPath(row.name + SUFFIX)), ""
-    except FaceCRFError:
-        return None, NO_RECORD
-
-
-def _read(path: Path, *, linear: bool) -> Pixels:
-    """(H, W, 3) values of the file, upright; of a JPEG codes, no more than twice what is shown."""
-    try:
-        if path.suffix.lower() in _JPEG and not linear:
-            return _read_jpeg(path)
-        return np.asarray(read_photo(path).encoded, np.float32)
-    except Exception:  # decoders raise all kinds, and one photo must not cost the report
-        raise _MissingError(UNREADABLE) from None
-
-
-def _read_jpeg(path: Path) -> npt.NDArray[np.uint8]:
-    """Decode only the low frequencies, many times as fast as the whole."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of damaged metadata; its size the batch has checked
-        with Image.open(path) as image:
-            image.draft(None, (2 * SIDE, 2 * SIDE))
-            image.thumbnail((2 * SIDE, 2 * SIDE), Image.Resampling.BOX)
-            return np.array(ImageOps.exif_transpose(image).convert("RGB"))
+def _shown_light(light: Pixels, side: int, quality: int) -> str:
+    return _webp(encode_srgb(_shrunk(light, side)).astype(np.float32), side, quality)
 
 
 def _shrunk(image: Pixels, side: int) -> Pixels:
@@ -159,9 +139,9 @@ def _shrunk(image: Pixels, side: int) -> Pixels:
     return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), image.dtype)
 
 
-def _webp(encoded: Pixels) -> str:
+def _webp(encoded: Pixels, side: int, quality: int) -> str:
     values = code_values(encoded, 8) if encoded.dtype == np.uint8 else encoded
-    codes = np.rint(255.0 * np.clip(_shrunk(values, SIDE), 0.0, 1.0)).astype(np.uint8)
+    codes = np.rint(255.0 * np.clip(_shrunk(values, side), 0.0, 1.0)).astype(np.uint8)
     content = BytesIO()
-    Image.fromarray(codes).save(content, "WEBP", quality=QUALITY, method=4)
+    Image.fromarray(codes).save(content, "WEBP", quality=quality, method=4)
     return base64.b64encode(content.getvalue()).decode()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import datetime
@@ -10,14 +10,21 @@ from pathlib import Path
 
 from facecrf_ocio.archive.check_outputs import REPORT
 from facecrf_ocio.archive.report.contents import Archive, Row, gather
-from facecrf_ocio.archive.report.html import render
-from facecrf_ocio.archive.report.pictures import Pictures, pictures_of
-from facecrf_ocio.errors import OutputError
-from facecrf_ocio.files.atomic import Draft, require_free, write_files
+from facecrf_ocio.archive.report.html import ARCHIVE_PAGE, render
+from facecrf_ocio.archive.report.links import relative_url, require_page
+from facecrf_ocio.archive.report.look_again import pictures_of
+from facecrf_ocio.archive.report.pictures import Pictures
+from facecrf_ocio.files.atomic import Draft, write_files
 from facecrf_ocio.files.threads import one_opencv_thread
 
 PICTURED = 10_000
 """Photos that get pictures unless more are asked for: a page of some 50 MB, as browsers like."""
+
+LARGE = 300
+"""Photos that get pictures to compare at a larger size, of some 70 kB each: 20 MB at most."""
+
+LARGE_SIDE = 512
+"""[pixel] Longer side of those: what fits a phone, and half of a wide dialog."""
 
 # Misfits first, then what is worth a look; a prior's own curve is everywhere the same.
 _WORTH = ("weak", "reliable", "no curve", "prior only", "failed", "unfinished")
@@ -41,6 +48,7 @@ def write_report(
     overwrite: bool = False,
     limit: int = PICTURED,
     jobs: int = 1,
+    watch: Callable[[int], None] = lambda _: None,
 ) -> Written:
     """Write the report of a batch as one HTML file.
 
@@ -51,36 +59,46 @@ def write_report(
     path
         File to write, `verify.REPORT` in the folder by default.
     overwrite
-        Replace an existing file.
+        Replace an existing file, even one that is no report.
     limit
         Number of photos that get pictures and curves.
     jobs
         Threads that read photos.
+    watch
+        Called with the number of photos in all, once for each that was read.
 
     Raises
     ------
     OutputError
-        If there is no manifest, or the report exists, or cannot be written.
+        If there is no manifest, or the path is another file's, or it cannot be written.
     """
     path = folder / REPORT if path is None else path
-    if path.suffix.lower() not in (".html", ".htm"):
-        raise OutputError(f"{path}: is not named as a page; give it the suffix .html")
-    require_free(path, overwrite=overwrite)
+    overwrite = require_page(path, ARCHIVE_PAGE, overwrite=overwrite)
     archive = gather(folder)
     there = archive.source is not None and archive.source.is_dir()
-    pictures = _pictures(archive, limit, jobs)
+    pictures = _pictures(archive, limit, jobs, watch)
     now = datetime.now().astimezone().isoformat(sep=" ", timespec="minutes")
-    content = render(archive, pictures, generated=now, source_is_there=there)
+    photos = relative_url(path, archive.source) if there and archive.source is not None else ""
+    links = (photos, relative_url(path, folder))
+    content = render(archive, pictures, generated=now, source_is_there=there, links=links)
     write_files([Draft(path, content, lambda _: None)], overwrite=overwrite)
     return Written(path, len(content), len(archive.rows), len(pictures), there)
 
 
-def _pictures(archive: Archive, limit: int, jobs: int) -> dict[str, Pictures]:
-    chosen: Sequence[Row] = archive.rows
-    if limit < len(archive.rows):
-        worth = {kind: place for place, kind in enumerate(_WORTH)}
-        misfits = archive.misfits
-        chosen = sorted(chosen, key=lambda row: (row.name not in misfits, worth[row.kind]))[:limit]
+def _pictures(
+    archive: Archive, limit: int, jobs: int, watch: Callable[[int], None]
+) -> dict[str, Pictures]:
+    worth = {kind: place for place, kind in enumerate(_WORTH)}
+    chosen = sorted(
+        archive.rows, key=lambda row: (row.name not in archive.misfits, worth[row.kind])
+    )[:limit]
+    large = {row.name for row in chosen[:LARGE]}
+
+    def pictures(row: Row) -> Pictures:
+        made = pictures_of(archive, row, LARGE_SIDE if row.name in large else 0)
+        watch(len(chosen))
+        return made
+
     with one_opencv_thread(), ThreadPoolExecutor(jobs) as readers:
-        found = readers.map(lambda row: pictures_of(archive, row), chosen)
+        found = readers.map(pictures, chosen)
         return {row.name: pictures for row, pictures in zip(chosen, found, strict=True)}

@@ -29,6 +29,7 @@ function haystack(row) {
         kindName(C.kind[i]),
         word("estimator", i),
         word("reason", i),
+        word("line", i),
         word("remedy", i),
       ]
         .join("\n")
@@ -42,7 +43,7 @@ const KEYS = {
   kind: (row) => C.kind[row],
   stops: (row) => (C.stops[row] < 0 ? null : C.stops[row]),
   camera: (row) => cameraOf(row) || null,
-  reason: (row) => word("reason", row) || null,
+  reason: (row) => lineOf(row) || null,
 };
 let found = [];
 function choose() {

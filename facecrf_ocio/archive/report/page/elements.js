@@ -36,3 +36,8 @@ const el = (tag, attributes, ...children) =>
   fill(document.createElement(tag), attributes, children);
 const svg = (tag, attributes, ...children) =>
   fill(document.createElementNS("http://www.w3.org/2000/svg", tag), attributes, children);
+// A table's row whose cells know their headings, which a phone shows beside them.
+function titled(row, titles) {
+  [...row.children].forEach((cell, i) => cell.setAttribute("data-title", titles[i]));
+  return row;
+}

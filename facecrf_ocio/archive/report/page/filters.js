@@ -57,6 +57,15 @@ function drawFilters() {
       state.per = Number(value);
     }),
   );
+  byId("sort").replaceChildren(
+    ...COLUMNS.filter(({title, key}) => key && isShown(title)).map(({title, key}) =>
+      option(key, title),
+    ),
+  );
+  byId("sort").addEventListener(
+    "change",
+    changed((value) => Object.assign(state, {sort: value, down: false})),
+  );
   byId("filters").addEventListener("submit", (event) => event.preventDefault());
   byId("reset").addEventListener("click", (event) => {
     event.preventDefault();

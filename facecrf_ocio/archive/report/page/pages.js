@@ -58,6 +58,7 @@ function update() {
     bar.setAttribute("aria-pressed", String(Number(bar.dataset.kind) === state.kind));
   }
   byId("kind").value = String(state.kind);
+  byId("sort").value = state.sort;
   const note = byId("reason-filter");
   note.hidden = !state.only;
   if (state.only) {

@@ -6,6 +6,8 @@ const cameraName = (make, model) =>
 const cameraOf = (row) => cameraName(word("make", row), word("model", row));
 const kindName = (kind) => DATA.kinds[kind];
 const verdict = (kind) => el("span", {class: `verdict k${kind}`}, kindName(kind));
+// What to expect of a photo's curve, or why it has none.
+const lineOf = (row) => word("line", row) || word("reason", row);
 const counts = DATA.kinds.map(() => 0);
 let duplicates = 0,
   misfits = 0,

@@ -1,11 +1,14 @@
 // The page's head, and its figures.
+function drawMade() {
+  byId("made").textContent =
+    `facecrf-ocio ${DATA.version}. This page holds all it shows and fetches nothing.`;
+}
 function drawHeader() {
   document.title = `facecrf: ${plural(N, "photo")}`;
   byId("about").textContent =
     (DATA.source ? `Photos in ${visible(DATA.source)}; outputs` : "Outputs") +
     ` in ${visible(DATA.folder)}. Made ${DATA.generated}.`;
-  byId("made").textContent =
-    `facecrf-ocio ${DATA.version}. This page holds all it shows and fetches nothing.`;
+  drawMade();
   const notes = [];
   if (!DATA.sourceThere)
     notes.push(
@@ -17,6 +20,10 @@ function drawHeader() {
       `${count(DATA.pictured)} of ${count(N)} photos have pictures and curves here, ` +
         "so that the page stays small: first those that do not fit their camera, " +
         "then weak, reliable and prior-only ones. All are listed.",
+    );
+  if (DATA.large && DATA.small)
+    notes.push(
+      `${count(DATA.large)} photos have large pictures in their details, the others small.`,
     );
   if (counts[5])
     notes.push(
@@ -45,7 +52,8 @@ function drawSummary() {
       DATA.brackets.length === 1 ? "bracket" : "brackets",
       count(DATA.brackets.length),
     ]);
-  if (duplicates) figures.push([duplicates === 1 ? "duplicate" : "duplicates", count(duplicates)]);
+  if (duplicates)
+    figures.push([duplicates === 1 ? "duplicate" : "duplicates", count(duplicates)]);
   if (seconds) figures.push(["of computing", hours(seconds)]);
   byId("figures").replaceChildren(
     ...figures.map(([name, value]) => el("div", {}, el("dt", {}, name), el("dd", {}, value))),
@@ -82,7 +90,11 @@ function drawSummary() {
                     height: 10,
                   }),
                 ),
-                el("span", {class: "number"}, `${count(counts[kind])} (${percent(counts[kind])})`),
+                el(
+                  "span",
+                  {class: "number"},
+                  `${count(counts[kind])} (${percent(counts[kind])})`,
+                ),
               ),
             ),
       )

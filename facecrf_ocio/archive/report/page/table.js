@@ -1,16 +1,7 @@
 // The table of photos.
-const COLUMNS = [
-  ["Before, after", null, ""],
-  ["Photo", "name", ""],
-  ["Verdict", "kind", ""],
-  ["Curve", null, ""],
-  ["Expected error [stops]", "stops", "number"],
-  ["Camera", "camera", ""],
-  ["Reason", "reason", ""],
-];
 function drawHead() {
   byId("head").replaceChildren(
-    ...COLUMNS.map(([title, key, kind]) => {
+    ...COLUMNS.filter(({title}) => isShown(title)).map(({title, key, kind}) => {
       if (!key) return el("th", {scope: "col", class: kind}, title);
       const arrow = el("span", {class: "arrow", "aria-hidden": "true"}, "↕");
       const heading = el("th", {scope: "col", class: kind, "data-key": key});
@@ -71,30 +62,39 @@ function marks(row) {
   return all.length ? el("ul", {class: "marks", "aria-label": "Marks"}, ...all) : null;
 }
 function reasonNodes(row) {
-  const [reason, remedy] = [visible(word("reason", row)), visible(word("remedy", row))];
-  return [reason, remedy ? el("span", {class: "remedy"}, `; ${remedy}`) : null];
+  const [line, remedy] = [visible(word("line", row)), visible(word("remedy", row))];
+  if (line) return [line];
+  return [
+    visible(word("reason", row)),
+    remedy ? el("span", {class: "remedy"}, `; ${remedy}`) : null,
+  ];
 }
 function tableRow(row, position) {
   const curve = C.curve[row];
   const stops = C.stops[row];
-  return el(
-    "tr",
-    {"aria-rowindex": position + 2},
-    pairCell(row),
+  const name = el(
+    "th",
+    {scope: "row"},
     el(
-      "th",
-      {scope: "row"},
-      el(
-        "button",
-        {type: "button", class: "link", "aria-haspopup": "dialog", onclick: () => show(row)},
-        visible(C.name[row]),
-      ),
-      marks(row),
+      "button",
+      {type: "button", class: "link", "aria-haspopup": "dialog", onclick: () => show(row)},
+      visible(C.name[row]),
     ),
+    marks(row),
+  );
+  const all = [
+    pairCell(row),
+    name,
     el("td", {}, verdict(C.kind[row])),
     el("td", {}, curve < 0 ? el("span", {class: "dim"}, "none") : plot(curve, 96, 72)),
     el("td", {class: "number"}, stops < 0 ? "–" : stops.toFixed(2)),
     el("td", {class: "camera"}, cameraOf(row) || el("span", {class: "dim"}, "unknown")),
     el("td", {class: "reason"}, ...reasonNodes(row)),
+  ];
+  const titles = COLUMNS.map(({title}) => title);
+  const kept = all.map((_, i) => i).filter((i) => isShown(titles[i]));
+  return titled(
+    el("tr", {"aria-rowindex": position + 2}, ...kept.map((i) => all[i])),
+    kept.map((i) => titles[i]),
   );
 }

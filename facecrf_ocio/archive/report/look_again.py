@@ -1,0 +1,105 @@
+"""A photo of an archive, read again for its pictures; why it cannot be shown, where it cannot."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from pathlib import Path, PurePosixPath
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image, ImageOps
+
+from facecrf_ocio.archive.report.contents import Archive, Row
+from facecrf_ocio.archive.report.pictures import SIDE, Pictures, told, with_images
+from facecrf_ocio.errors import FaceCRFError
+from facecrf_ocio.photo.pixels import Pixels
+from facecrf_ocio.photo.read import read_photo
+from facecrf_ocio.record.sidecar import SUFFIX, Sidecar, read_sidecar
+from facecrf_ocio.values import Outcome
+
+GONE = "The photo is no longer there."
+CHANGED = "The photo has changed since it was calibrated."
+UNREADABLE = "The photo cannot be read any more."
+NO_RECORD = "The record of its calibration is missing or damaged."
+NOT_OPENED = "Not opened again, since it could not be read before."
+
+_JPEG = (".jpg", ".jpeg", ".jpe")
+
+
+def pictures_of(archive: Archive, row: Row, large: int = 0) -> Pictures:
+    """Read a photo, without changing it, and its sidecar, and make its pictures.
+
+    Nothing that is wrong with the photo is an error here. A photo that failed is not opened, for
+    it may have crashed or hung its decoder.
+    """
+    if row.kind == "failed":
+        return Pictures(missing=NOT_OPENED)
+    sidecar, problem = _sidecar(archive.folder, row)
+    shown = Pictures() if sidecar is None else told(sidecar.estimate, _files(archive, row, sidecar))
+    inverse = None if sidecar is None else sidecar.estimate.found
+    linear = row.outcome == str(Outcome.ALREADY_LINEAR)
+    try:
+        _require_unchanged(archive.source, row)
+        encoded = _read(_path(archive.source, row), max(SIDE, large), linear=linear)
+    except _MissingError as missing:
+        return replace(shown, missing=str(missing))
+    shown = replace(shown, missing=problem)
+    return with_images(shown, encoded, inverse, linear=linear, large=large)
+
+
+class _MissingError(Exception):
+    """A photo of which there is no picture; the text says why."""
+
+
+def _files(archive: Archive, row: Row, sidecar: Sidecar) -> tuple[str, ...]:
+    """Names of the photo's files below the outputs: LUTs, the EXR if there is one, the record."""
+    folder = PurePosixPath(row.name).parent
+    name = PurePosixPath(row.name).name
+    exr = [f"{name}.exr"] if (archive.folder / f"{row.name}.exr").is_file() else []
+    return tuple(str(folder / each) for each in (*sidecar.luts, *exr, f"{name}{SUFFIX}"))
+
+
+def _path(source: Path | None, row: Row) -> Path:
+    if source is None:
+        raise _MissingError(GONE)
+    return source / PurePosixPath(row.name)
+
+
+def _require_unchanged(source: Path | None, row: Row) -> None:
+    try:
+        status = _path(source, row).stat()
+    except (OSError, ValueError):
+        raise _MissingError(GONE) from None
+    if (status.st_size, status.st_mtime_ns) != (row.size, row.mtime_ns):
+        raise _MissingError(CHANGED)
+
+
+def _sidecar(folder: Path, row: Row) -> tuple[Sidecar | None, str]:
+    """The photo's record, and what is wrong if it should be there and is not."""
+    if not row.curve and row.kind in ("no curve", "unfinished"):
+        return None, ""
+    try:
+        return read_sidecar(folder / PurePosixPath(row.name + SUFFIX)), ""
+    except FaceCRFError:
+        return None, NO_RECORD
+
+
+def _read(path: Path, side: int, *, linear: bool) -> Pixels:
+    """(H, W, 3) values of the file, upright; of a JPEG codes, no more than twice what is shown."""
+    try:
+        if path.suffix.lower() in _JPEG and not linear:
+            return _read_jpeg(path, 2 * side)
+        return np.asarray(read_photo(path).encoded, np.float32)
+    except Exception:  # decoders raise all kinds, and one photo must not cost the report
+        raise _MissingError(UNREADABLE) from None
+
+
+def _read_jpeg(path: Path, side: int) -> npt.NDArray[np.uint8]:
+    """Decode only the low frequencies, many times as fast as the whole."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of damaged metadata; its size the batch has checked
+        with Image.open(path) as image:
+            image.draft(None, (side, side))
+            image.thumbnail((side, side), Image.Resampling.BOX)
+            return np.array(ImageOps.exif_transpose(image).convert("RGB"))

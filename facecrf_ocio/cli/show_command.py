@@ -1,0 +1,77 @@
+"""`facecrf show`: one photo's result as a page to look at."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from facecrf_ocio.cli.options import PHOTO_PATH, TEXT_PATH, Choices, estimation_options
+from facecrf_ocio.cli.terminal import ending_well, status, tell
+from facecrf_ocio.errors import SettingsError
+
+if TYPE_CHECKING:
+    from facecrf_ocio.values import Estimate, Photo
+
+PAGE_SUFFIX = ".crf.html"
+
+
+@click.command()
+@click.argument("photo", type=PHOTO_PATH)
+@click.option(
+    "-o",
+    "--output",
+    type=TEXT_PATH,
+    metavar="PAGE.html",
+    help=f"Page to write; NAME{PAGE_SUFFIX} in this folder by default. An older one is replaced.",
+)
+@click.option(
+    "--record",
+    type=TEXT_PATH,
+    metavar="FILE.crf.json",
+    help="Show this result of the photo instead of calibrating it anew, with links to its LUTs.",
+)
+@click.option("--open", "opens", is_flag=True, help="Open the page in a browser.")
+@estimation_options
+@ending_well
+def show(photo: Path, output: Path | None, record: Path | None, opens: bool, **choices: Any) -> int:
+    """Show PHOTO before and after, its curve and what to expect, as one HTML page.
+
+    \b
+    facecrf show a.jpg --open
+    facecrf show a.jpg --record luts/a.crf.json
+    """  # noqa: D301 - \b is Click's mark of lines to be kept
+    from facecrf_ocio.archive.report.photo_page import write_photo_page
+
+    chosen = Choices(**choices)
+    page = Path(f"{photo.stem}{PAGE_SUFFIX}") if output is None else output
+    with status(f"looking at {photo}"):
+        files: tuple[Path, ...] = ()
+        if record is None:
+            source, estimate = chosen.read_and_estimate(photo)
+        else:
+            source, estimate, files = _recorded(photo, record)
+        written = write_photo_page(page, source, estimate, files, overwrite=chosen.overwrite)
+    code = tell(photo, estimate, (written,), notes=source.notes, verbose=chosen.verbose)
+    if estimate.found is None:
+        click.echo(f"  {written}")
+    if opens:
+        click.launch(written.absolute().as_uri())
+    return code
+
+
+def _recorded(path: Path, record: Path) -> tuple[Photo, Estimate, tuple[Path, ...]]:
+    """A photo and what a record says of it, with the files that stand beside the record."""
+    from facecrf_ocio import read_photo
+    from facecrf_ocio.record.sidecar import read_sidecar
+
+    sidecar = read_sidecar(record)
+    photo = read_photo(path)
+    if sidecar.source.sha256 not in (None, photo.sha256):
+        raise SettingsError(
+            f"{record}: is the record of another photo, {sidecar.source.name}; name that photo, "
+            "or leave out --record"
+        )
+    beside = [record.parent / name for name in sidecar.luts]
+    return photo, sidecar.estimate, (*(lut for lut in beside if lut.is_file()), record)
