@@ -8,12 +8,17 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from click.testing import CliRunner
+from face_photos import grace_hopper
 from photo_files import write
 
-from facecrf_ocio.joint import load_joint
+from facecrf_ocio import Photo
+from facecrf_ocio.benchmark.joint_folds import held_out_joint
+from facecrf_ocio.joint import conclude, gather, load_joint
 from facecrf_ocio.joint.messages import COMBINED, exact_array
 from facecrf_ocio.joint.statistics import CUES
 from facecrf_ocio.synthetic import SyntheticSpec, render_face
+from facecrf_ocio.training.__main__ import main
 from facecrf_ocio.training.before_camera import dead_leaves, read_head, saturate, stage
 from facecrf_ocio.training.curves import NO_ROW, CurveSource, fold_of_rows, rows_outside
 from facecrf_ocio.training.denoise import Denoiser
@@ -292,3 +297,30 @@ def test_weights_are_stored_in_bytes_and_read_to_half_a_step(tmp_path):
         arrays = {key.removeprefix("a/"): stored[key] for key in stored.files}
     half_steps = 0.51 * np.abs(exact).max(axis=1, keepdims=True) / 127.0
     assert (np.abs(exact_array(arrays, "noise_0_weight0") - exact) <= half_steps).all()
+
+
+@pytest.mark.slow
+def test_all_weights_can_be_made_again_from_the_data(development_data, tmp_path):
+    """Few photos and one pass: what comes out is of no use, but is all there and can be asked."""
+    pytest.importorskip("torch", reason="needs the extra train")
+    few = ["--parts", "1", "--epochs", "1", "--members", "1", "--band-photos", "4"]
+    made, held_out = tmp_path / "joint.npz", tmp_path / "held_out.npz"
+    told = CliRunner().invoke(
+        main,
+        [
+            *("reproduce", "--data", str(development_data), "--processes", "1", *few),
+            *("--work", str(tmp_path), "-o", str(made), "--held-out", str(held_out)),
+        ],
+    )
+    assert told.exit_code == 0, told.output
+    assert "4 photos: 90 % of all codes within" in told.output
+    with np.load(made) as stored:
+        made_by = json.loads(str(stored["made_by"]))
+    assert (made_by["parts"], made_by["epochs"], made_by["members"]) == (1, 1, 1)
+    assert set(made_by["data_sha256"]) >= {"dorf_201_curves.mat", "heads", "scenes"}
+    assert made_by["band_measured"].endswith("--photos 4 --seed 2")
+    evidence = gather(Photo(grace_hopper(), bit_depth=8), networks=load_joint(made).networks)
+    assert conclude([evidence], model=load_joint(made)).found is not None
+    held_out_joint.cache_clear()  # the band was measured with them as they were before it was set
+    for name in held_out_names():
+        assert held_out_joint(held_out, name).band_scale == load_joint(made).band_scale

@@ -6,7 +6,8 @@ then `fit` for the weights that ship and for those that the bench holds response
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,8 @@ import click
 
 from facecrf_ocio.training.parts import read_parts
 from facecrf_ocio.training.plan import (
+    BAND_PHOTOS,
+    BAND_SEED,
     EPOCHS,
     HELD_OUT_MEMBERS,
     MEMBERS,
@@ -85,23 +88,29 @@ def fit_command(folder: Path, data: Path, without: str | None, **choices: Any) -
 @main.command("band")
 @_DATA
 @click.argument("held_out", type=_FILE)
-@click.option("--photos", default=400, show_default=True)
-@click.option("--seed", default=2, show_default=True)
+@click.option("--photos", default=BAND_PHOTOS, show_default=True)
+@click.option("--seed", default=BAND_SEED, show_default=True)
 @click.option("--write", multiple=True, type=_FILE, help="Weights to set the factors in.")
 def band_command(
     data: Path, held_out: Path, photos: int, seed: int, write: tuple[Path, ...]
 ) -> None:
     """Measure the band's factors on the heads `dev_*`, each response by weights without it."""
+    _measure_and_set(Data(data), held_out, photos, seed, write)
+
+
+def _measure_and_set(
+    data: Data, held_out: Path, photos: int, seed: int, weights: Sequence[Path]
+) -> None:
     from facecrf_ocio.training.band import measure_band  # noqa: PLC0415
 
-    found = measure_band(Data(data), held_out, photos, seed)
+    found = measure_band(data, held_out, photos, seed)
     click.echo(
         f"{len(found.of_photos)} photos: 90 % of all codes within {found.band_scale:.3f} of a 90 % "
         f"band; errors in stops over expected ones {found.stops_scale[0]:.3f} over codes 64 to "
         f"235, {found.stops_scale[1]:.3f} over 16 to 64"
     )
     command = f"python -m facecrf_ocio.training band --photos {photos} --seed {seed}"
-    for path in write:
+    for path in weights:
         with_band(path, found.band_scale, found.stops_scale, command)
 
 
@@ -111,6 +120,11 @@ def band_command(
 @click.option("--work", type=_FOLDER, default=Path("training"), show_default=True)
 @click.option("-o", "--output", required=True, type=_FILE, help="The weights that ship.")
 @click.option("--held-out", type=_FILE, help="The bench's weights, all in one file.")
+@click.option("--epochs", default=EPOCHS, show_default=True)
+@click.option("--members", default=MEMBERS, show_default=True, help="Of the weights that ship.")
+@click.option(
+    "--band-photos", default=BAND_PHOTOS, show_default=True, help="To measure the band with."
+)
 def reproduce_command(
     data: Path,
     parts: int,
@@ -119,8 +133,12 @@ def reproduce_command(
     work: Path,
     output: Path,
     held_out: Path | None,
+    **choices: int,
 ) -> None:
-    """Simulate and fit everything anew; what WORK holds already is not made again."""
+    """Simulate, fit and measure everything anew; what WORK holds already is not made again.
+
+    With other numbers than the defaults other weights come out; a small run shows that all works.
+    """
     from facecrf_ocio.training.fit import Training, fit_joint  # noqa: PLC0415
 
     source = Data(data)
@@ -128,8 +146,9 @@ def reproduce_command(
     paths = sorted((work / "parts").glob("part*.npz"))[:parts]
     examples = read_parts(paths, source.curves().kind)
     told = {"parts": len(paths), "seed": seed, "data_sha256": source.digests()}
+    training = Training(epochs=choices["epochs"], members=choices["members"])
     if not output.exists():
-        fit_joint(output, examples, Training(epochs=EPOCHS, members=MEMBERS), None, told)
+        fit_joint(output, examples, training, None, told)
     if held_out is None:
         return
     made = {}
@@ -137,9 +156,10 @@ def reproduce_command(
         made[name] = work / f"without_{name}.npz"
         if not made[name].exists():
             kept = examples.where(~left_out(name, examples, source))
-            training = Training(epochs=EPOCHS, members=HELD_OUT_MEMBERS)
-            fit_joint(made[name], kept, training, name, told)
+            alone = replace(training, members=HELD_OUT_MEMBERS)
+            fit_joint(made[name], kept, alone, name, told)
     pack(held_out, made)
+    _measure_and_set(source, held_out, choices["band_photos"], BAND_SEED, (output, held_out))
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ from facecrf_ocio.joint.prior import FAMILIES, FamilyPrior
 from facecrf_ocio.joint.statistics import CUES
 from facecrf_ocio.response.mixture import fit_mixture
 from facecrf_ocio.training.parts import Examples
+from facecrf_ocio.training.plan import EPOCHS, MEMBERS
 from facecrf_ocio.training.posterior import PosteriorLoss
 from facecrf_ocio.training.weights import describe, save_joint
 from facecrf_ocio.values import Float, Index
@@ -59,13 +60,13 @@ class Training:
         Networks per cue, differing in their seed.
     """
 
-    epochs: int = 30
+    epochs: int = EPOCHS
     rate: float = 2e-3
     decay: float = 1e-2
     dropout: float = 0.1
     cue_dropout: float = 0.2
     told: float = 0.25
-    members: int = 2
+    members: int = MEMBERS
 
 
 def fit_prior(inverse: Float, family: Index) -> tuple[FamilyPrior, Float]:
@@ -153,13 +154,14 @@ def fit_networks(
     )
     combined_size = sum(statistics.shape[1] + 1 for statistics, _ in given.values())
     networks[COMBINED] = _Network(combined_size, HIDDEN_COMBINED, training.dropout)
-    batches = len(examples) // _BATCH
+    size = min(_BATCH, len(examples))
+    batches = len(examples) // size
     optimizer = torch.optim.AdamW(networks.parameters(), training.rate, weight_decay=training.decay)
     schedule = torch.optim.lr_scheduler.OneCycleLR(
         optimizer, training.rate, total_steps=training.epochs * batches + 1
     )
     for _ in range(training.epochs):
-        for chosen in torch.randperm(len(examples))[: batches * _BATCH].reshape(batches, _BATCH):
+        for chosen in torch.randperm(len(examples))[: batches * size].reshape(batches, size):
             mean, precision = _fuse(networks, given, chosen, training.cue_dropout)
             luck = torch.rand(len(chosen))
             told, hinted = luck < training.told, luck > 1.0 - training.told
