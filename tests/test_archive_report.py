@@ -15,6 +15,7 @@ from pathlib import Path
 from urllib.parse import urljoin, urlsplit
 from urllib.request import url2pathname
 
+import cv2
 import numpy as np
 import pytest
 from axe_core_python.selenium import Axe
@@ -148,6 +149,16 @@ def test_every_photo_of_the_manifest_is_in_the_page(archive):
     assert {n for n, kind in kinds.items() if kind == "failed"} == {"cut.png", "empty.jpg"}
     assert kinds["film.jpg"] == "prior only"
     assert page.word("reason", page.row("empty.jpg")).startswith("is empty (zero bytes)")
+
+
+def test_opencv_has_the_threads_that_it_had_before(archive):
+    former = cv2.getNumThreads()
+    try:
+        cv2.setNumThreads(3)
+        page_of(archive)
+        assert cv2.getNumThreads() == 3
+    finally:
+        cv2.setNumThreads(former)
 
 
 def test_curves_and_bands_are_those_of_the_sidecars(archive):

@@ -119,6 +119,19 @@ def test_several_photos_tighten_the_band(photos, evidence):
     assert max(together.misfits) < 3.0
 
 
+def test_who_is_outvoted_is_called_by_its_place_among_all_photos_given(evidence):
+    silent, told = gather(blank()), evidence[0]
+    liar = {
+        cue: replace(message, mean=message.mean + 40.0, precision=np.full_like(message.mean, 1e3))
+        for cue, message in told.messages.items()
+    }
+    given = [silent, told, told, told, replace(told, messages=liar)]
+    said = conclude(given).confidence.outvoted
+    assert [name for name in said if name.startswith("photo")] == ["photo 5"]
+    names = ["a", "b", "c", "d", "e"]
+    assert conclude(given, names=names).confidence.outvoted[-1] == "e"
+
+
 def test_photos_without_a_face_change_nothing(photos):
     with_blank = calibrate_together([blank(), photos[0]])
     assert with_blank.lacking == ("no face found", "")

@@ -15,8 +15,9 @@ import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813
 import PyOpenColorIO as ocio  # noqa: N813
 
+from facecrf_ocio.files.threads import usable_cores
 from facecrf_ocio.image.apply import linear_rows, write_exr
-from facecrf_ocio.image.lookup import Lookup, cores
+from facecrf_ocio.image.lookup import Lookup
 from facecrf_ocio.image.lut_lookup import described, lut_lookup, lut_processor
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.values import Photo
@@ -91,8 +92,9 @@ class Speed:
     def text(self) -> str:
         """The table that is printed."""
         lines = [
-            f"{self.megapixels:.1f} megapixels, {cores()} cores, OpenColorIO {ocio.__version__}, "
-            f"OpenImageIO {oiio.VERSION_STRING}; best of several runs",
+            f"{self.megapixels:.1f} megapixels, {usable_cores()} cores, "
+            f"OpenColorIO {ocio.__version__}, OpenImageIO {oiio.VERSION_STRING}; "
+            "best of several runs",
             f"largest difference from OpenColorIO: {self.error:.2g} of white",
             "",
             f"{'work':<25} {'by':<33} {'MP/s':>7} {'seconds':>8} {'CPU':>8} "

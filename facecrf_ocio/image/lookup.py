@@ -7,7 +7,6 @@ through the transform itself, a band of rows at a time, on all cores.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -18,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.errors import LutError, SettingsError
+from facecrf_ocio.files.threads import usable_cores
 from facecrf_ocio.image.by_table import (
     numpy_look_up,
     opencv_look_up,
@@ -149,7 +149,7 @@ class Lookup:
         if len(bands) == 1:
             band(pixels, out, work)
             return
-        with ThreadPoolExecutor(min(len(bands), cores())) as threads:
+        with ThreadPoolExecutor(min(len(bands), usable_cores())) as threads:
             for done in [threads.submit(band, pixels[at], out[at], work) for at in bands]:
                 done.result()
 
@@ -228,13 +228,6 @@ def curve_lookup(curve: InverseCRF) -> Lookup:
         out[...] = curve.linearize(np.nan_to_num(values, nan=0.0, posinf=1.0, neginf=0.0))
 
     return Lookup(transform)
-
-
-def cores() -> int:
-    """How many processor cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _check(pixels: Pixels, out: Pixels, color: Sequence[int]) -> None:
