@@ -111,6 +111,8 @@ class GainMap:
         `Ultra HDR`, `ISO 21496-1` or `Apple`.
     primaries
         In which the gain is meant, if not in those of the encoded picture.
+    base, orientation
+        The encoded picture as JPEG, and how that is turned upright; empty where it is none.
     """
 
     values: npt.NDArray[np.float32]
@@ -121,6 +123,8 @@ class GainMap:
     offset: Float
     standard: str
     primaries: Primaries | None = None
+    base: bytes = field(default=b"", repr=False)
+    orientation: int = 1
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "values", frozen(self.values, np.float32))

@@ -17,6 +17,7 @@ from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.color.srgb import decode_srgb
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.image.apply import write_exr
+from facecrf_ocio.photo.unrounded import unrounded
 from facecrf_ocio.values import Float, GainMap, Photo, Primaries
 
 Float32 = npt.NDArray[np.float32]
@@ -47,6 +48,7 @@ def write_rendition(
     if gain_map is None:
         raise SettingsError(f"{photo.path}: has no gain map; choose the curve (--hdr curve)")
     space = _space(photo, gain_map)
+    photo = exact_base(photo, gain_map)
     return write_exr(
         path,
         partial(hdr_rows, photo, gain_map),
@@ -56,6 +58,14 @@ def write_rendition(
         compression=compression,
         overwrite=overwrite,
     )
+
+
+def exact_base(photo: Photo, gain_map: GainMap) -> Photo:
+    """The photo with its code values before rounding, from which libultrahdr goes to light."""
+    base = unrounded(gain_map.base, gain_map.orientation) if gain_map.base else None
+    if base is None or base.shape != photo.encoded.shape:
+        return photo
+    return replace(photo, encoded=base)
 
 
 def _provenance(gain_map: GainMap) -> Mapping[str, str]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import cv2
@@ -50,7 +51,8 @@ def jpeg_gain_map(jpeg: JpegParts, orientation: int) -> tuple[GainMap | None, tu
         for picture in _pictures_after(jpeg):
             numbers = _numbers(picture, exif)
             if numbers is not None:
-                return GainMap(upright(_decoded(picture), orientation), *numbers), ()
+                found = GainMap(upright(_decoded(picture), orientation), *numbers)
+                return replace(found, base=jpeg.picture, orientation=orientation), ()
     except (GainMapError, ValueError, struct.error, ZeroDivisionError, cv2.error) as error:
         return None, (f"its gain map was set aside: {plain_text(error)}",)
     return None, ()
