@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -539,11 +541,11 @@ class TestNames:
 class TestProgress:
     """A spinner on a terminal's stderr, and never a byte of it on stdout."""
 
-    def run(self, folder: Path, *arguments: str) -> tuple[bytes, bytes]:
+    def run(self, folder: Path, *arguments: str, columns: int = 80) -> tuple[bytes, bytes]:
         pty = pytest.importorskip("pty")
         ours, theirs = pty.openpty()
         command = [sys.executable, "-c", CODE, *arguments]
-        environment = {**os.environ, "TERM": "xterm", "COLUMNS": "80"}
+        environment = {**os.environ, "TERM": "xterm", "COLUMNS": str(columns)}
         with subprocess.Popen(
             command, cwd=folder, stdout=subprocess.PIPE, stderr=theirs, env=environment
         ) as process:
@@ -575,3 +577,73 @@ class TestProgress:
         printed, shown = self.run(tmp_path, "linearize", "a.png", "-o", "a.exr", *BLIND)
         assert b"linearizing a.png" in shown
         assert printed.decode().splitlines()[-1] == "  a.exr"
+
+    @pytest.mark.parametrize("columns", [40, 120])
+    def test_a_bar_of_an_archive_fits_the_terminal(self, tmp_path: Path, columns: int) -> None:
+        (tmp_path / "in").mkdir()
+        for name in "abc":
+            write_noise(tmp_path / "in" / f"{name}.png")
+        options = ("--estimator", "mean", "--jobs", "1", "--formats", "spi1d")
+        command = ("batch", "in", "-o", "out", *options)
+        _, shown = self.run(tmp_path, *command, columns=columns)
+        assert "3 of 3 photos" in shown.decode()
+        drawn = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", shown.decode())
+        bars = [
+            line for line in re.split(r"[\r\n]+", drawn) if "\u2501" in line or "\u2578" in line
+        ]
+        assert bars
+        assert max(map(len, bars)) <= columns
+        printed, shown = self.run(tmp_path, "report", "out", columns=columns)
+        assert b"3 photos" in printed
+        assert b"reading photos" in shown
+
+
+class TestManyPhotos:
+    def test_each_gets_an_exr_in_the_folder(
+        self, facecrf: CommandLine, tmp_path: Path, out: Path
+    ) -> None:
+        photos = [write_noise(tmp_path / f"{name}.png") for name in "ab"]
+        broken = tmp_path / "c.png"
+        broken.write_bytes(photos[0].read_bytes()[:-20])
+        ended = facecrf("linearize", *photos, broken, "-o", out, *BLIND)
+        assert ended.code == UNREADABLE
+        assert names_in(out) == {"a.exr", "b.exr"}
+        again = facecrf("linearize", *photos, "-o", out, *BLIND)
+        assert again.code == FAILED
+        assert len(again.err.splitlines()) == 2
+        assert facecrf("linearize", *photos, "-o", out, "--overwrite", *BLIND).code == DONE
+
+    def test_one_file_or_one_name_for_two_photos(
+        self, facecrf: CommandLine, tmp_path: Path, out: Path
+    ) -> None:
+        (tmp_path / "b").mkdir()
+        photos = [write_noise(tmp_path / "a.png"), write_noise(tmp_path / "b" / "a.png")]
+        ended = facecrf("linearize", *photos, "-o", tmp_path / "a.exr", *BLIND)
+        assert (ended.code, "name a folder" in ended.err) == (USAGE, True)
+        ended = facecrf("linearize", *photos, "-o", out, *BLIND)
+        assert ended.code == FAILED
+        assert "would write the same files" in ended.err
+        assert names_in(out) == set()
+
+
+class TestCompletion:
+    @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+    def test_a_script_for_each_shell(self, facecrf: CommandLine, shell: str) -> None:
+        ended = facecrf("completion", shell)
+        assert ended.code == DONE
+        assert f"_FACECRF_COMPLETE={shell}_complete" in ended.out
+
+    def test_bash_completes_options(self, facecrf: CommandLine, tmp_path: Path) -> None:
+        bash = shutil.which("bash")
+        if bash is None:
+            pytest.skip("bash is not here")
+        command = tmp_path / "facecrf"
+        code = "from facecrf_ocio.cli.facecrf import main; main(prog_name='facecrf')"
+        command.write_text(f'#!/bin/sh\nexec "{sys.executable}" -c "{code}"\n', encoding="utf-8")
+        command.chmod(0o755)
+        asked = "COMP_WORDS=(facecrf calibrate --to); COMP_CWORD=2; "
+        ask = f'{facecrf("completion", "bash").out}\n{asked}_facecrf_completion "{command}"; '
+        ended = subprocess.run(
+            [bash, "-c", ask + 'echo "${COMPREPLY[@]}"'], capture_output=True, check=True, text=True
+        )
+        assert {"--to", "--together"} <= set(ended.stdout.split())

@@ -30,12 +30,12 @@ class Progress:
         self.done = self.fresh = self.gathered = 0
         self.begin = self.said = monotonic()
         self.live: Any = None
+        self.task: Any = None
 
     def __enter__(self) -> Progress:
         if sys.stderr.isatty():
-            from rich.console import Console
-
-            self.live = Console(stderr=True).status(self._line())
+            self.live = _bar()
+            self.task = self.live.add_task(self._line(), total=self.total)
             self.live.start()
         return self
 
@@ -64,7 +64,7 @@ class Progress:
             if self.live is not None:
                 self.live.start()
         if self.live is not None:
-            self.live.update(self._line())
+            self.live.update(self.task, completed=self.done, description=self._line())
         elif monotonic() - self.said > _PLAIN_EVERY:
             self.said = monotonic()
             click.echo(self._line(), err=True)
@@ -82,6 +82,17 @@ class Progress:
             if self.total is not None and self.total > self.done:
                 text += f", {(self.total - self.done) / rate / 60:.0f} min left"
         return f"{text}: " + ", ".join(f"{self.counts[kind]} {kind}" for kind in KINDS)
+
+
+def _bar() -> Any:
+    """A bar and the line beside it, which breaks where the terminal is narrow."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn
+    from rich.table import Column
+
+    line = TextColumn("{task.description}", markup=False, table_column=Column(ratio=1))
+    bar = BarColumn(bar_width=16)  # [letter] leaves most of 40 for the line
+    return Progress(bar, line, console=Console(stderr=True), transient=True, expand=True)
 
 
 def _passed_over(passed: Passed) -> Iterator[str]:

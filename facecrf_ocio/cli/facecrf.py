@@ -6,7 +6,6 @@ Heavy modules are imported by the commands that need them, so that `facecrf --he
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -18,18 +17,17 @@ from facecrf_ocio.cli.calibrate_command import calibrate
 from facecrf_ocio.cli.cameras_command import cameras
 from facecrf_ocio.cli.chart_command import chart
 from facecrf_ocio.cli.clip_command import clip
+from facecrf_ocio.cli.completion_command import completion
 from facecrf_ocio.cli.doctor_command import doctor
 from facecrf_ocio.cli.explain_command import explain
+from facecrf_ocio.cli.linearize_command import linearize, require_exr_free
 from facecrf_ocio.cli.lint_command import lint
 from facecrf_ocio.cli.merge_command import merge
 from facecrf_ocio.cli.ocio_config_command import ocio_config
 from facecrf_ocio.cli.options import (
     PHOTO_PATH,
     TEXT_PATH,
-    Choices,
-    estimation_options,
     exr_options,
-    space_option,
 )
 from facecrf_ocio.cli.pair_command import pair
 from facecrf_ocio.cli.report_command import report
@@ -45,10 +43,6 @@ from facecrf_ocio.cli.terminal import (
     tell,
 )
 from facecrf_ocio.cli.verify_command import verify
-from facecrf_ocio.errors import OutputError, SettingsError
-
-if TYPE_CHECKING:
-    from facecrf_ocio.values import Photo
 
 
 @click.group(epilog=EXIT_CODES, context_settings={"help_option_names": ["-h", "--help"]})
@@ -59,6 +53,7 @@ def main() -> None:
 
 
 main.add_command(calibrate)
+main.add_command(linearize)
 main.add_command(bench)
 main.add_command(pair)
 main.add_command(bracket)
@@ -74,81 +69,7 @@ main.add_command(report)
 main.add_command(show)
 main.add_command(explain)
 main.add_command(doctor)
-
-
-@main.command()
-@click.argument("photo", type=PHOTO_PATH)
-@exr_options
-@space_option("the EXR is tagged as such")
-@click.option(
-    "--hdr",
-    type=click.Choice(("auto", "curve", "map")),
-    default="auto",
-    show_default=True,
-    help="Light by the photo's gain map, with headroom above 1 as its maker rendered it; or by the "
-    "calibrated curve. By the map where there is one (auto), but with --to by the curve.",
-)
-@click.option(
-    "--exposure",
-    default="0",
-    metavar="STOPS|gray",
-    help="Scale the light: by stops, or its geometric mean to 0.18. Told in the EXR.",
-)
-@estimation_options
-@ending_well
-def linearize(
-    photo: Path,
-    output: Path,
-    half: bool,
-    compression: str,
-    space: str | None,
-    hdr: str,
-    exposure: str,
-    **choices: Any,
-) -> int:
-    """Calibrate PHOTO and write it as a scene-linear EXR."""
-    chosen = Choices(**choices)
-    _require_exr_free(output, overwrite=chosen.overwrite)
-    if hdr == "map" and space:
-        raise SettingsError("--to needs scene light, which no gain map proves; use --hdr curve")
-    if hdr == "map" and exposure != "0":
-        raise SettingsError("--exposure is for the calibrated curve; use --hdr curve")
-    written: tuple[Path, ...] = ()
-    exr: dict[str, Any] = {"half": half, "compression": compression, "overwrite": chosen.overwrite}
-    with status(f"linearizing {photo}"):
-        source = chosen.read(photo)
-        by_map = hdr == "map" or (
-            hdr == "auto" and source.gain_map is not None and not space and exposure == "0"
-        )
-        if by_map:
-            from facecrf_ocio.image.hdr_rendition import write_rendition
-
-            rendition = write_rendition(output, source, **exr)
-        else:
-            from facecrf_ocio.image.linearize import write_linear
-
-            estimate = chosen.estimate(source)
-            if estimate.found is not None:
-                written = (
-                    write_linear(
-                        output, source, estimate, space=space or "", exposure=exposure, **exr
-                    ),
-                )
-    if by_map:
-        return _tell_rendition(photo, source, rendition)
-    return tell(photo, estimate, written, notes=source.notes, verbose=chosen.verbose)
-
-
-def _tell_rendition(path: Path, photo: Photo, written: Path) -> int:
-    from facecrf_ocio.image.hdr_rendition import NOT_PROVEN, headroom
-
-    assert photo.gain_map is not None  # noqa: S101 - or it would not have been written
-    what = f"{photo.gain_map.standard}, {headroom(photo.gain_map):.1f} stops of headroom"
-    click.echo(one_line(f"{path}: by its gain map ({what}): {NOT_PROVEN}"))
-    for note in photo.notes:
-        click.echo(one_line(f"  note: {note}"))
-    click.echo(one_line(f"  {written}"))
-    return DONE
+main.add_command(completion)
 
 
 @main.command()
@@ -180,7 +101,7 @@ def apply(
     from facecrf_ocio import read_photo
     from facecrf_ocio.image.linearize import write_through_lut
 
-    _require_exr_free(output, overwrite=overwrite)
+    require_exr_free(output, overwrite=overwrite)
     with status(f"applying {lut}"):
         written = write_through_lut(
             output,
@@ -215,15 +136,3 @@ def demo(output: Path) -> int:
     with status("calibrating a portrait of Grace Hopper"):
         photo, estimate, written = run_demo(output)
     return tell(photo, estimate, written)
-
-
-def _require_exr_free(path: Path, *, overwrite: bool) -> None:
-    """Raise OutputError unless an EXR may be written, before a photo is calibrated."""
-    from facecrf_ocio.files.atomic import require_free
-
-    if path.suffix.lower() != ".exr":
-        raise OutputError(f"{path}: is not named as OpenEXR; give it the suffix .exr")
-    require_free(path, overwrite=overwrite)
-    require_writable(path.parent)  # first, since folders in a closed one cannot even be looked for
-    if not path.parent.exists():
-        raise OutputError(f"{path}: cannot be written: no such folder; create the folder first")

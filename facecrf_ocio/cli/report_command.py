@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from facecrf_ocio.cli.options import TEXT_PATH
-from facecrf_ocio.cli.terminal import DONE, complain, ending_well, one_line, status
+from facecrf_ocio.cli.terminal import DONE, complain, ending_well, one_line, progress
 from facecrf_ocio.files.threads import usable_cores
 
 
@@ -33,9 +33,14 @@ def report(
     """
     from facecrf_ocio.archive.report import write_report
 
-    with status(f"reading the photos of {folder}"):
+    with progress("reading photos") as count:
         written = write_report(
-            folder, output, overwrite=overwrite, limit=pictures, jobs=jobs or usable_cores()
+            folder,
+            output,
+            overwrite=overwrite,
+            limit=pictures,
+            jobs=jobs or usable_cores(),
+            watch=count,
         )
     if not written.source_is_there:
         complain("the folder of the photos is not there, so the report shows none of them", DONE)

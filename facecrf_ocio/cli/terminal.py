@@ -114,6 +114,29 @@ def status(message: str) -> Iterator[None]:
         yield
 
 
+@contextmanager
+def progress(message: str) -> Iterator[Callable[[int], None]]:
+    """Show a bar on a terminal's stderr, as wide as it is; what is yielded counts one of a total.
+
+    Files done and time left are told; where there is no terminal, nothing is.
+    """
+    if not sys.stderr.isatty():
+        yield lambda _: None
+        return
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
+
+    columns = ("{task.description}", BarColumn(None), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True, expand=True) as bar:
+        task = bar.add_task(escape(one_line(message)), total=None)
+
+        def count(total: int) -> None:
+            bar.update(task, total=total, advance=1)
+
+        yield count
+
+
 def require_writable(folder: Path) -> None:
     """Raise OutputError unless the folder, or the nearest above it that exists, can be written.
 

@@ -1,0 +1,168 @@
+"""`facecrf linearize`: photos in, scene-linear EXRs out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from facecrf_ocio.cli.options import (
+    PHOTO_PATH,
+    Choices,
+    estimation_options,
+    exr_options,
+    space_option,
+)
+from facecrf_ocio.cli.terminal import (
+    DONE,
+    FAILED,
+    NOTHING,
+    UNREADABLE,
+    complain,
+    ending_well,
+    exit_code_of,
+    one_line,
+    problem_of,
+    require_writable,
+    status,
+    tell,
+)
+from facecrf_ocio.errors import OutputError, SettingsError
+
+if TYPE_CHECKING:
+    from facecrf_ocio.values import Photo
+
+
+@click.command()
+@click.argument("photos", nargs=-1, required=True, type=PHOTO_PATH, metavar="PHOTO...")
+@exr_options
+@space_option("the EXR is tagged as such")
+@click.option(
+    "--hdr",
+    type=click.Choice(("auto", "curve", "map")),
+    default="auto",
+    show_default=True,
+    help="Light by the photo's gain map, with headroom above 1 as its maker rendered it; or by the "
+    "calibrated curve. By the map where there is one (auto), but with --to by the curve.",
+)
+@click.option(
+    "--exposure",
+    default="0",
+    metavar="STOPS|gray",
+    help="Scale the light: by stops, or its geometric mean to 0.18. Told in the EXR.",
+)
+@estimation_options
+@ending_well
+def linearize(
+    photos: tuple[Path, ...],
+    output: Path,
+    half: bool,
+    compression: str,
+    space: str | None,
+    hdr: str,
+    exposure: str,
+    **choices: Any,
+) -> int:
+    """Calibrate each PHOTO and write it as a scene-linear EXR.
+
+    Of several photos -o names a folder, which gets NAME.exr of each.
+
+    \b
+    facecrf linearize a.jpg -o a.exr
+    facecrf linearize *.jpg -o linear --exposure gray
+    """  # noqa: D301 - \b is Click's mark of lines to be kept
+    chosen = Choices(**choices)
+    if hdr == "map" and space:
+        raise SettingsError("--to needs scene light, which no gain map proves; use --hdr curve")
+    if hdr == "map" and exposure != "0":
+        raise SettingsError("--exposure is for the calibrated curve; use --hdr curve")
+    exr: dict[str, Any] = {"half": half, "compression": compression, "overwrite": chosen.overwrite}
+    job = _Linearization(chosen, space or "", hdr, exposure, exr)
+    photos = tuple(dict.fromkeys(photos))
+    if len(photos) == 1:
+        return job.run(photos[0], output)
+    codes = [job.run_one_of(path, target) for path, target in _targets(photos, output)]
+    return next((code for code in (FAILED, UNREADABLE, NOTHING) if code in codes), DONE)
+
+
+def _targets(photos: tuple[Path, ...], folder: Path) -> tuple[tuple[Path, Path], ...]:
+    """Each photo with its EXR in the folder, which is made if it is missing."""
+    from facecrf_ocio.files.folders import make_folder
+    from facecrf_ocio.record.outputs import require_distinct_names
+
+    if folder.suffix.lower() == ".exr":
+        raise SettingsError(f"-o {folder}: names one file for {len(photos)} photos; name a folder")
+    require_distinct_names(photos)
+    require_writable(folder)
+    make_folder(folder)
+    return tuple((path, folder / f"{path.stem}.exr") for path in photos)
+
+
+@dataclass(frozen=True, slots=True)
+class _Linearization:
+    """How each photo becomes an EXR."""
+
+    choices: Choices
+    space: str
+    hdr: str
+    exposure: str
+    exr: dict[str, Any]
+
+    def run_one_of(self, path: Path, output: Path) -> int:
+        """As `run`; whatever is wrong costs this photo, not the others."""
+        try:
+            return self.run(path, output)
+        except Exception as error:  # decoders raise all kinds
+            return complain(problem_of(error), exit_code_of(error))
+
+    def run(self, path: Path, output: Path) -> int:
+        """Linearize one photo, tell of it, and return its exit code."""
+        require_exr_free(output, overwrite=self.choices.overwrite)
+        written: tuple[Path, ...] = ()
+        with status(f"linearizing {path}"):
+            source = self.choices.read(path)
+            by_map = self._is_by_map(source)
+            if by_map:
+                from facecrf_ocio.image.hdr_rendition import write_rendition
+
+                rendition = write_rendition(output, source, **self.exr)
+            else:
+                from facecrf_ocio.image.linearize import write_linear
+
+                estimate = self.choices.estimate(source)
+                options = {"space": self.space, "exposure": self.exposure, **self.exr}
+                if estimate.found is not None:
+                    written = (write_linear(output, source, estimate, **options),)
+        if by_map:
+            return _tell_rendition(path, source, rendition)
+        return tell(path, estimate, written, notes=source.notes, verbose=self.choices.verbose)
+
+    def _is_by_map(self, photo: Photo) -> bool:
+        free = photo.gain_map is not None and not self.space and self.exposure == "0"
+        return self.hdr == "map" or (self.hdr == "auto" and free)
+
+
+def _tell_rendition(path: Path, photo: Photo, written: Path) -> int:
+    from facecrf_ocio.image.hdr_rendition import NOT_PROVEN, headroom
+
+    assert photo.gain_map is not None  # noqa: S101 - or it would not have been written
+    what = f"{photo.gain_map.standard}, {headroom(photo.gain_map):.1f} stops of headroom"
+    click.echo(one_line(f"{path}: by its gain map ({what}): {NOT_PROVEN}"))
+    for note in photo.notes:
+        click.echo(one_line(f"  note: {note}"))
+    click.echo(one_line(f"  {written}"))
+    return DONE
+
+
+def require_exr_free(path: Path, *, overwrite: bool) -> None:
+    """Raise OutputError unless an EXR may be written, before a photo is calibrated."""
+    from facecrf_ocio.files.atomic import require_free
+
+    if path.suffix.lower() != ".exr":
+        raise OutputError(f"{path}: is not named as OpenEXR; give it the suffix .exr")
+    require_free(path, overwrite=overwrite)
+    require_writable(path.parent)  # first, since folders in a closed one cannot even be looked for
+    if not path.parent.exists():
+        raise OutputError(f"{path}: cannot be written: no such folder; create the folder first")
