@@ -9,10 +9,11 @@ import pytest
 from archive_photos import ONE, exposed, table, write_face, write_picture
 from command_line import CommandLine
 
-from facecrf_ocio.archive.cameras.bracket import Exposure, find_brackets
+from facecrf_ocio.archive.cameras.bracket import Exposure, find_brackets, stops_of
 from facecrf_ocio.joint.prior import shipped_prior
 from facecrf_ocio.pair.bracket_curve import rmse_after_scale, solve_bracket
 from facecrf_ocio.pair.code_samples import COLUMNS, ROWS, read_samples, take_samples
+from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.photo.shot import Shot, read_shot
 from facecrf_ocio.record.sidecar import read_sidecar
 from facecrf_ocio.response.model import dorf_model, inverse_crf, strictly_increasing
@@ -173,3 +174,32 @@ def test_the_photos_of_a_bracket_get_its_curve_and_tell_how_far_it_is_from_the_e
     assert rmse_after_scale(told.curve, camera.curve) == pytest.approx(rmse, abs=1e-6)
     assert f"after one scale: {rmse:.3f}" in told.confidence.reasons[2]
     assert rmse_after_scale(told.curve, gamma_curve(2.2)) < 0.02
+
+
+def ordinary(folder, count):
+    """A walk's photos: other things at other light, and each second one a step on from the last."""
+    rng = np.random.default_rng(7)
+    paths = sorted((folder / "faces" / "rendered" / "img").glob("*_noisy.exr"))
+    curve, taken_at, found = gamma_curve(2.2), 0.0, []
+    for number in range(count):
+        picture = np.clip(read_photo(paths[number // 2 % len(paths)]).encoded, 0.0, None)
+        height, width = picture.shape[:2]
+        top, left = (int(rng.integers(0, size // 3)) for size in (height, width))
+        part = picture[top : top + height // 2, left : left + width // 2]
+        metered = 0.4 / max(float(np.quantile(part, 0.8)), 1e-3) * 2.0 ** rng.normal(0, 0.3)
+        encoded = encode(np.clip(part * metered, 0, 1).astype(np.float32), curve)
+        taken_at += float(rng.choice([1.5, 4.0, 20.0, 90.0]))
+        time = 1.0 / float(rng.choice([60, 125, 250, 500]))
+        shot = Shot(taken_at, time, 4.0, 100.0)
+        found.append(Exposure(str(number), str(number), shot, take_samples(encoded)))
+    return found
+
+
+@pytest.mark.slow
+def test_no_bracket_is_invented_among_200_ordinary_photos(development_data):
+    sets = list(find_brackets(ordinary(development_data, 200)))
+    solved = [
+        solve_bracket([read_samples(one.samples) for one in members], stops_of(members))
+        for members in sets
+    ]
+    assert [names(sets)[k] for k, one in enumerate(solved) if not one.problem] == []
