@@ -37,6 +37,13 @@ def test_the_floor_plan_names_every_room():
     }
 
 
+def test_what_is_sought_stands_where_the_table_says():
+    table = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").split("## Where is")[1]
+    files = re.findall(r"`([a-z_/]+\.py)`", table.split("## Tests")[0])
+    assert len(files) >= 5
+    assert [name for name in files if not (ROOT / "facecrf_ocio" / name).exists()] == []
+
+
 def test_every_page_is_in_a_table_of_contents():
     listed = "\n".join(p.read_text(encoding="utf-8") for p in (ROOT / "docs").rglob("*.md"))
     pages = [p for p in (ROOT / "docs").rglob("*.md") if p.name != "index.md"]

@@ -6,7 +6,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from facecrf_ocio.joint.fuse import agreeing_shares, average, multiply, squared_distance
+from facecrf_ocio.joint.cue_weights import agreeing_shares, squared_distance
+from facecrf_ocio.joint.fuse import average, multiply
 from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior
 
 SIZE = 3

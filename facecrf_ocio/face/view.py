@@ -8,11 +8,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.face.detect import FoundFaces
 from facecrf_ocio.face.geometry import FaceGeometry, face_geometry
 from facecrf_ocio.photo.pixels import in_8_bits
 from facecrf_ocio.settings import FaceSettings
-from facecrf_ocio.values import Face, Lacking, Photo
+from facecrf_ocio.values import Face, Photo
 
 MIN_SKIN_PIXELS = 400  # of a face 160 px wide, a square of 20 px; fewer tell of one spot
 
@@ -71,18 +70,3 @@ def _scaled(
     if channel.shape == size[::-1]:
         return channel
     return np.asarray(cv2.resize(channel, size, interpolation=cv2.INTER_AREA), np.float32)
-
-
-def lacking_faces(found: FoundFaces, settings: FaceSettings) -> Lacking:
-    """Why no face of a photo can be used."""
-    if found.too_small:
-        return Lacking(
-            f"{count_faces(found.too_small)} found, narrower than {settings.min_face_width} px",
-            "use a larger version of the photo",
-        )
-    return Lacking("no face found", "use a photo with a face")
-
-
-def count_faces(count: int) -> str:
-    """As words."""
-    return "1 face" if count == 1 else f"{count} faces"

@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from facecrf_ocio.cameras.known_cameras import KnownCamera, known_cameras
+from facecrf_ocio.joint.cue_weights import agreeing_shares
 from facecrf_ocio.joint.evidence import PhotoEvidence
-from facecrf_ocio.joint.fuse import agreeing_shares, average, multiply, widened
+from facecrf_ocio.joint.fuse import average, multiply, widened
 from facecrf_ocio.joint.known_response import KnownResponse, known_response
 from facecrf_ocio.joint.messages import COMBINED, Networks, networks_of
 from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior, prior_of

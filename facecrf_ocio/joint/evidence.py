@@ -15,7 +15,8 @@ import numpy as np
 
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.face.detect import find_faces
-from facecrf_ocio.face.view import cut_face, lacking_faces
+from facecrf_ocio.face.no_face import lacking_faces
+from facecrf_ocio.face.view import cut_face
 from facecrf_ocio.joint.messages import Networks, shipped_networks
 from facecrf_ocio.joint.metadata import modern_leaning, phone_leaning
 from facecrf_ocio.joint.prior import Message

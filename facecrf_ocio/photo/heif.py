@@ -14,8 +14,9 @@ from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.photo.exif import apple_headroom, camera_of, load_exif
 from facecrf_ocio.photo.gain_map import APPLE, GainMapError, apple_numbers
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_size
+from facecrf_ocio.photo.orientation import upright
 from facecrf_ocio.photo.picture import PhotoFile
-from facecrf_ocio.photo.pixels import is_gray, three_channels, upright
+from facecrf_ocio.photo.pixels import is_gray, three_channels
 from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
 from facecrf_ocio.values import GainMap, Photo, Primaries, frozen
 

@@ -15,7 +15,7 @@ from facecrf_ocio.photo.jpeg_segments import JpegParts, take_apart
 from facecrf_ocio.photo.raw import libraw_takes
 from facecrf_ocio.photo.suffixes import HEAD, RAW, Kind, kind_named, kind_of
 from facecrf_ocio.photo.tiff_pages import Page, holds_raw, photo_page
-from facecrf_ocio.photo.xmp import value_of, xmp_of
+from facecrf_ocio.photo.xmp import xmp_of
 
 # Phones append a second picture (CIPA DC-007) or a film, and say so here or in what follows.
 _FOLLOWING = ("MotionPhoto", "MicroVideo", "Container:Directory")
@@ -154,12 +154,3 @@ def _at_photo(source: Any) -> Picture:
     several = chosen > 0 or sum(not page.is_aside for page in pages) > 1
     note = f"page {chosen + 1} of {len(pages)} was read, the largest that is no thumbnail"
     return Picture(source, chosen, (note,) if several else ())
-
-
-def orientation_of(spec: Any, xmp: str) -> int:
-    """EXIF's orientation, 1 to 8, else that of XMP, else 1."""
-    told = spec.get_int_attribute("Orientation", 0)
-    if told == 0:
-        value = value_of(xmp, "tiff:Orientation")
-        told = int(value) if value.isascii() and value.isdigit() else 1
-    return int(told)

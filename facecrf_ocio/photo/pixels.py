@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import cv2
@@ -11,23 +10,6 @@ import numpy.typing as npt
 
 Pixels = npt.NDArray[Any]
 Float32 = npt.NDArray[np.float32]
-
-# EXIF 2.32, tag 0x0112: where row 0 and column 0 of the file are in the upright picture.
-_UPRIGHT: dict[int, Callable[[Any], Any]] = {
-    2: lambda image: cv2.flip(image, 1),
-    3: lambda image: cv2.rotate(image, cv2.ROTATE_180),
-    4: lambda image: cv2.flip(image, 0),
-    5: cv2.transpose,
-    6: lambda image: cv2.rotate(image, cv2.ROTATE_90_CLOCKWISE),
-    7: lambda image: cv2.rotate(cv2.transpose(image), cv2.ROTATE_180),
-    8: lambda image: cv2.rotate(image, cv2.ROTATE_90_COUNTERCLOCKWISE),
-}
-
-
-def upright(image: Pixels, orientation: int) -> Pixels:
-    """Apply an EXIF orientation, 1 to 8, to (H, W) or (H, W, 3); other numbers change nothing."""
-    turn = _UPRIGHT.get(orientation)
-    return image if turn is None else np.asarray(turn(np.ascontiguousarray(image)))
 
 
 def code_values(codes: Pixels, bits: int) -> Float32:

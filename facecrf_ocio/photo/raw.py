@@ -15,7 +15,8 @@ import rawpy
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_size
-from facecrf_ocio.photo.pixels import Pixels, upright
+from facecrf_ocio.photo.orientation import upright
+from facecrf_ocio.photo.pixels import Pixels
 from facecrf_ocio.photo.suffixes import RAW_SUFFIXES
 
 # LibRaw's `flip` as EXIF's orientation: which way it is to be turned.

@@ -20,21 +20,9 @@ from facecrf_ocio.photo.gain_map import jpeg_gain_map
 from facecrf_ocio.photo.heif import read_heif
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_file, check_size
 from facecrf_ocio.photo.named_curve import LINEAR, is_other_curve, named_curve
-from facecrf_ocio.photo.picture import (
-    PhotoFile,
-    Picture,
-    open_image,
-    open_picture,
-    orientation_of,
-)
-from facecrf_ocio.photo.pixels import (
-    Pixels,
-    code_values,
-    is_gray,
-    three_channels,
-    unpremultiplied,
-    upright,
-)
+from facecrf_ocio.photo.orientation import orientation_of, upright
+from facecrf_ocio.photo.picture import PhotoFile, Picture, open_image, open_picture
+from facecrf_ocio.photo.pixels import Pixels, code_values, is_gray, three_channels, unpremultiplied
 from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
 from facecrf_ocio.photo.raw import decode_raw
 from facecrf_ocio.photo.suffixes import HEIF

@@ -8,8 +8,9 @@ import numpy as np
 import scipy
 
 from facecrf_ocio.face.detect import find_faces
+from facecrf_ocio.face.no_face import count_faces, lacking_faces
 from facecrf_ocio.face.skin_mask import SkinMask, find_skin
-from facecrf_ocio.face.view import MIN_SKIN_PIXELS, FaceView, count_faces, cut_face, lacking_faces
+from facecrf_ocio.face.view import MIN_SKIN_PIXELS, FaceView, cut_face
 from facecrf_ocio.published.answer import Answer, EnergyTerms
 from facecrf_ocio.published.energy.pigment import PigmentPairs, SkinPigment
 from facecrf_ocio.published.gradients import PigmentGradients, single_pigment_pairs
