@@ -8,7 +8,7 @@ import warnings
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.photo.pixels import upright
+from facecrf_ocio.photo.orientation import upright
 
 # ITU-T T.871 (JFIF): from luma and two color differences, in codes, to red, green and blue.
 _TO_RGB = np.array([[1.0, 0.0, 1.402], [1.0, -0.344136, -0.714136], [1.0, 1.772, 0.0]], np.float32)
