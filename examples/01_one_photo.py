@@ -28,3 +28,7 @@ code_118 = np.full((1, 3), 118 / 255)  # what sRGB calls middle gray, 18 % of wh
 print("code 118 is linear", estimate.curve.linearize(code_118)[0].round(3))
 
 print(write_lut(estimate.curve, Path(mkdtemp()) / "grace_hopper.spi1d"))
+
+# %%
+# In a notebook an estimate shows what to expect of it, and its curve with the 90 % band.
+estimate  # noqa: B018

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from facecrf_ocio.checks import Float, frozen, read_only
 from facecrf_ocio.errors import NotCalibratedError, SettingsError
+from facecrf_ocio.notebook.displayed import Displayed
 
 CHANNELS = ("R", "G", "B")
 
@@ -237,7 +238,7 @@ class Confidence:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Estimate:
+class Estimate(Displayed):
     """What a calibration found, or why it found nothing.
 
     Attributes

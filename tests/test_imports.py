@@ -17,7 +17,7 @@ PACKAGE = Path(facecrf_ocio.__file__).parent
 
 # From the bottom up: what stands in one row may import its own room and the rows above it here.
 LAYERS = (
-    ("errors", "estimators"),
+    ("errors", "estimators", "notebook"),
     ("checks",),
     ("estimates",),
     ("values", "settings"),

@@ -78,7 +78,7 @@ def plot_draft(path: Path, photo: Photo, estimate: Estimate, settings: Settings)
     if estimate.faces:
         analyzed = analyze_face(cut_face(photo, estimate.faces[0], settings), settings)
     if analyzed is None:
-        figure = _curves_only(estimate)
+        figure = curves_only(estimate)
     else:
         figure = _with_face(estimate, analyzed, settings.hue_half_width)
     _draw_title(figure, photo, estimate)
@@ -126,7 +126,8 @@ def blank(width: float, height: float) -> Figure:
     return figure
 
 
-def _curves_only(estimate: Estimate) -> Figure:
+def curves_only(estimate: Estimate) -> Figure:
+    """Draw the curves of an estimate with their bands, and the same in stops above sRGB."""
     figure = blank(6.0, 9.0)
     axes = figure.subplot_mosaic([["curves"], ["stops"]], height_ratios=[2.4, 1.0])
     _draw_curves(axes["curves"], estimate)

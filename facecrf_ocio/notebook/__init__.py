@@ -1,0 +1,1 @@
+"""How results show themselves where Python is used by hand."""
