@@ -428,6 +428,15 @@ HOSTILE = {
 }
 
 
+def test_blackmagics_own_keyword_is_known(tmp_path: Path) -> None:
+    colors = "".join(f"{r} {g} {b}\n" for b in (0, 1) for g in (0, 1) for r in (0, 1))
+    for name in ("BMD", "MY"):
+        text = f'{name}_TITLE "Film to Video"\n\nLUT_3D_SIZE 2\n{colors}'
+        (tmp_path / f"{name}.cube").write_text(text, encoding="utf-8")
+    assert lint(tmp_path / "BMD.cube") == []
+    assert "no keyword 'MY_TITLE' is known" in lint(tmp_path / "MY.cube")[0].problem
+
+
 # What a file costs: processor time here, and in the process that asks OpenColorIO beyond its start,
 # which a sound file tells; memory here.
 COST = """

@@ -26,6 +26,7 @@ _KEYWORDS = {
     *("version", "from", "length", "components", "{"),
     *("lut_1d_size", "lut_1d_input_range", "lut_3d_size", "lut_3d_input_range"),
     *("domain_min", "domain_max"),
+    "bmd_title",  # Blackmagic Design's own LUTs; OpenColorIO passes over it
 }
 _MOST_UNKNOWN = 3  # unknown keywords told of; the others are like them
 _Lines = Iterator[tuple[int, list[str]]]
