@@ -433,7 +433,7 @@ def test_blackmagics_own_keyword_is_known(tmp_path: Path) -> None:
     for name in ("BMD", "MY"):
         text = f'{name}_TITLE "Film to Video"\n\nLUT_3D_SIZE 2\n{colors}'
         (tmp_path / f"{name}.cube").write_text(text, encoding="utf-8")
-    assert lint(tmp_path / "BMD.cube") == []
+    assert not lint(tmp_path / "BMD.cube")
     assert "no keyword 'MY_TITLE' is known" in lint(tmp_path / "MY.cube")[0].problem
 
 
