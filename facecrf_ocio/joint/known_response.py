@@ -50,9 +50,15 @@ def known_response(
     spread = np.full(each.shape[1], others)
     spread[:2] = first, second
     return KnownResponse(
-        f"{found[0].make} {found[0].model}",
+        _called(found[0]),
         Message(sure @ each / sure.sum(), 1.0 / (spread**2 + 1.0 / sure.sum())),
     )
+
+
+def _called(camera: KnownCamera) -> str:
+    """Make and model, the make once: many models begin with it."""
+    begins = camera.model.casefold().startswith(camera.make.casefold())
+    return camera.model if begins else f"{camera.make} {camera.model}"
 
 
 def coefficients(camera: KnownCamera, prior: FamilyPrior) -> Float:
