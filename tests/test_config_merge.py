@@ -168,7 +168,7 @@ class TestDescriptions:
         assert told.splitlines() == [
             "Source: a.jpg, through a.spi1d.",
             "Curve: calibrated by joint, weak.",
-            "Expected error: 2.0 % of white.",
+            "A first guess: expect errors about 2 % of white; sRGB would do as well.",
             "Primaries: Display P3 by ICC profile. Exposure: relative, known up to one factor.",
         ]
 

@@ -71,7 +71,7 @@ def linearize(
 
     \b
     facecrf linearize a.jpg -o a.exr
-    facecrf linearize *.jpg -o linear --exposure gray
+    facecrf linearize a.jpg b.jpg -o linear --exposure gray
     """  # noqa: D301 - \b is Click's mark of lines to be kept
     chosen = Choices(**choices)
     if hdr == "map" and space:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from facecrf_ocio.ocio_config.find import PhotoLut
-from facecrf_ocio.record.provenance import EXPOSURE, expected_error, record_of
+from facecrf_ocio.record.provenance import EXPOSURE, record_of
 from facecrf_ocio.values import Primaries
+from facecrf_ocio.wording.sentence import expected
 
 
 def describe(lut: PhotoLut, primaries: Primaries | None) -> str:
-    """Source, estimator, verdict, expected error and assumptions, as far as they are known.
+    """Source, estimator, verdict, what to expect and assumptions, as far as they are known.
 
     Parameters
     ----------
@@ -24,9 +25,9 @@ def describe(lut: PhotoLut, primaries: Primaries | None) -> str:
         confidence = estimate.confidence
         verdict = "" if confidence is None else f", {confidence.verdict}"
         lines.append(f"Curve: {estimate.outcome} by {estimate.estimator}{verdict}.")
-        error = expected_error(confidence)
-        if error:
-            lines.append(f"Expected error: {error}.")
+        said = expected(estimate)
+        if said:
+            lines.append(f"{said[0].upper()}{said[1:]}.")
     lines.append(f"Primaries: {_primaries(lut, primaries)}. Exposure: {EXPOSURE}.")
     return "\n".join(lines)
 
