@@ -9,6 +9,7 @@ from pathlib import Path
 import matplotlib.cbook
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813
+import PyOpenColorIO as ocio  # noqa: N813
 import pytest
 from host_environments import CACHE, blender_python
 
@@ -149,3 +150,34 @@ def test_the_extension_is_valid(package, what):
     tool = next(CACHE.rglob("bl_pkg/cli/blender_ext.py"))
     place = EXTENSION if what == "source" else package
     subprocess.run([blender_python(), tool, "validate", place], check=True)
+
+
+@pytest.mark.parametrize("merged", [False, True], ids=["a config of its own", "Blender's config"])
+def test_extension_and_own_config_agree_in_one_blender(package, session, tmp_path, merged):
+    """Blender runs with the config that `ocio-config` wrote, alone or added to Blender's own."""
+    portrait, command = session[0] / "photos" / "portrait.png", session[0] / "facecrf"
+    named = ["--estimator", "srgb", "--formats", "spi1d", "-o", tmp_path / "luts"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    environment.pop("OCIO", None)
+    subprocess.run([command, "calibrate", portrait, *named], env=environment, check=True)
+    config, how = tmp_path / "own.ocio", []
+    if merged:
+        how = ["--merge", next(CACHE.glob("bpy-5*/lib/*/*/bpy/*/datafiles/*/config.ocio"))]
+    lut = tmp_path / "luts" / "portrait.spi1d"
+    writing = [command, "ocio-config", lut, "-o", config, *how]
+    subprocess.run(writing, env=environment, check=True)
+    script = ROOT / "tests" / "blender_extension_config_session.py"
+    spaces = tuple(ocio.Config.CreateFromFile(str(config)).getColorSpaceNames())
+    (space,) = (name for name in spaces if "portrait" in name and "encode" not in name)
+    subprocess.run(
+        [blender_python(), script, package, command, tmp_path, portrait, space],
+        env={**environment, "OCIO": str(config), "BLENDER_USER_RESOURCES": str(tmp_path / "user")},
+        check=True,
+        timeout=300,
+    )
+    expected = decode_srgb(read_photo(portrait).encoded)
+    for name in ("extension", "space"):
+        assert np.abs(pixels(tmp_path / f"{name}.exr") - expected).max() < TOLERANCE, name
+    said = json.loads((tmp_path / "said.json").read_text())
+    assert said["made"] == pytest.approx(expected[-1, 0].tolist(), abs=1e-6)  # rows go upward
+    assert said["made_space"] in spaces
