@@ -101,6 +101,19 @@ def test_of_a_lut_with_its_record_beside_it(told_by, photo: Photo, tmp_path: Pat
     assert {name: told[f"facecrf:{name}"] for name in expected} == expected
 
 
+def test_imageio_reads_the_file_and_passes_on_no_attribute_of_any_exr(
+    photo: Photo, tmp_path: Path
+) -> None:
+    """It reads EXR by PyAV alone, which knows pixels and codec."""
+    pytest.importorskip("av", reason="PyAV, by which imageio reads EXR, is not installed")
+    reader = pytest.importorskip("imageio.v3", reason="imageio is not installed")
+    exr = write_linear(tmp_path / "a.exr", photo, ESTIMATE)
+    assert reader.imread(exr, plugin="pyav").shape[-3:] == photo.encoded.shape
+    told = reader.immeta(exr, plugin="pyav")
+    assert told["codec"] == "exr"
+    assert not any("facecrf" in name for name in told)
+
+
 def test_of_a_lut_from_elsewhere(photo: Photo, tmp_path: Path) -> None:
     lut = lut_of_another_maker(tmp_path)
     told = by_openimageio(write_through_lut(tmp_path / "a.exr", photo, lut))
