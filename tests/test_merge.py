@@ -96,6 +96,63 @@ def test_a_still_scene_has_nothing_set_aside():
     assert max(merged_of(photos).moved) < 0.01
 
 
+def a_window(light):
+    """Light with a bright window that has bars: its edges lie next to clipping."""
+    lit = light.copy()
+    lit[40:160, 60:150] *= 24.0
+    lit[96:102, 60:150] *= 0.1
+    lit[40:160, 100:104] *= 0.1
+    return cv2.GaussianBlur(lit, (0, 0), 1.0)
+
+
+def as_jpeg(photo):
+    codes = np.rint(photo.encoded[..., ::-1] * 255).astype(np.uint8)
+    packed = cv2.imencode(".jpg", codes, [cv2.IMWRITE_JPEG_QUALITY, 88])[1]
+    return Photo(cv2.imdecode(packed, cv2.IMREAD_COLOR)[..., ::-1] / np.float32(255), bit_depth=8)
+
+
+@pytest.mark.parametrize("gamma", [2.2, 2.35])
+def test_a_window_next_to_clipping_is_no_movement(gamma):
+    light = a_window(scene())
+    photos = [as_jpeg(shot(light, stop, n)) for n, stop in enumerate(STOPS)]
+    curve = gamma_curve(gamma)  # the camera's, or one as wrong as its deviation allows
+    sigma = curve.linear * np.abs(np.log(np.maximum(curve.encoded, 1e-9))) * 0.1
+    bracket = small_bracket(photos, STOPS)
+    merged = merge_bracket(lambda index: photos[index], bracket, curve, sigma=sigma)
+    still = merge_bracket(lambda index: photos[index], bracket, curve, still=True)
+    assert max(merged.moved) < 0.001
+    np.testing.assert_allclose(merged.linear, still.linear, rtol=0.01)
+
+
+def test_what_passed_before_a_clipped_window_is_shown_once():
+    light = a_window(scene())
+    # Longest first: the reference, which clips the window, shows no ball before it.
+    photos = [
+        as_jpeg(shot(light if stop >= -2 else with_a_ball(light, 105), stop, n))
+        for n, stop in enumerate(STOPS)
+    ]
+    merged = merged_of(photos)
+    assert merged.moved[0] > 0.02
+    ghosts = merged_of(photos, still=True)
+    assert stops_off(merged.linear, light) < 0.5 * stops_off(ghosts.linear, light)
+
+
+@pytest.mark.slow
+def test_a_real_bracket_from_a_tripod_has_no_patches(development_data, capfd, tmp_path):
+    folder = development_data / "stacks" / "canon_5d_corridor"
+    if not folder.is_dir():
+        pytest.skip("the public bracket of a corridor is not there")
+    photos = [folder / f"00{number:02d}.jpg" for number in (2, 6, 10, 14, 18, 22)]
+    found = []
+    for name, how in (("all", ()), ("still", ("--still",))):
+        target = tmp_path / f"{name}.exr"
+        ended = CommandLine(capfd)("merge", *photos, "-o", target, *how)
+        assert ended.code == 0, ended.err
+        found.append(np.log2(np.maximum(pixels_of(target)[..., :3], 1e-4)))
+    # Nothing moved but a tree before the window: before, a hundredth of the pixels were patches.
+    assert np.mean(np.abs(found[0] - found[1]).max(axis=2) > 0.1) < 0.001
+
+
 def test_a_hand_that_moved_is_undone():
     light = scene()
     turns = [cv2.getRotationMatrix2D((100, 100), 0.8 * n, 1.0) for n in range(4)]

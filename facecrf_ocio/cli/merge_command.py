@@ -77,7 +77,11 @@ def merge(
         stops = solved.solved.refined if own else refined_stops(solved.bracket, estimate.found)
         bracket = with_stops(solved.bracket, stops)
         merged = merge_bracket(
-            lambda index: read_photo(photos[index]), bracket, estimate.found, still=still
+            lambda index: read_photo(photos[index]),
+            bracket,
+            estimate.found,
+            sigma=estimate.confidence.sigma if estimate.confidence else None,
+            still=still,
         )
         relative = stops - stops[bracket.reference]
         listed = ", ".join(f"{p.name} {s:+.2f}" for p, s in zip(photos, relative, strict=True))

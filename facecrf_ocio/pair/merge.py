@@ -2,7 +2,8 @@
 
 Each photo's light counts by the inverse of its variance: noise of a code through the curve's slope,
 and photon noise (Mann and Picard, 1995; Granados et al., CVPR 2010). What moved is taken from the
-reference, photo by photo outward in exposure.
+reference, photo by photo outward in exposure: where bounds on the light, which noise, texture and
+the curve's own deviation set, do not meet. Clipped codes bound it from below alone.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -27,7 +29,8 @@ _READ = 4e-6  # variance of light 0: a deviation of 1/500 of white, as small sen
 # A pixel counts fully between these codes, and not at all below and above the outer ones.
 _DARK, _BRIGHT = (2.0 * _CODE, 8.0 * _CODE), (244.0 * _CODE, 252.0 * _CODE)
 _LAST = 1e-6  # weight of what no photo shows well, in the one that shows it best
-_MOVED, _TEXTURED = 6.0 * _CODE, 0.4  # codes, and of the local range, that are no movement
+_LOOSE, _TEXTURED = 3.0 * _CODE, 0.2  # codes, and of the local range, that bounds lie apart
+_SURE = 2.0  # standard deviations of the curve within the bounds
 _BOX, _GROWN = 5, 9  # [px]
 _TABLE = 4096  # of encoded values: 16 for each code of 8 bits
 _FARTHEST = 0.35  # [stop] of an exposure from what EXIF says
@@ -54,7 +57,12 @@ class Merged:
 
 
 def merge_bracket(
-    read: Callable[[int], Photo], bracket: SmallBracket, curve: InverseCRF, *, still: bool = False
+    read: Callable[[int], Photo],
+    bracket: SmallBracket,
+    curve: InverseCRF,
+    *,
+    sigma: Float | None = None,
+    still: bool = False,
 ) -> Merged:
     """Merge photos one after another, so that two of them are in memory and no more.
 
@@ -66,6 +74,8 @@ def merge_bracket(
         Movements and exposures of the photos.
     curve
         The camera's inverse response.
+    sigma
+        (3, K) its standard deviation: as far as that, photos disagree though nothing moved.
     still
         Trust that nothing moved.
     """
@@ -74,14 +84,17 @@ def merge_bracket(
     reference = read(bracket.reference)
     total = np.zeros(reference.encoded.shape, np.float32)
     weight, moved = np.zeros_like(total), np.zeros(len(stops))
+    known: _Bounds | None = None
     for index in order:
         photo = reference if index == bracket.reference else read(int(index))
         codes = warped(photo.encoded, bracket.warps[index])
         share = _weights(codes, curve, stops, int(index))
-        if index != bracket.reference and not still:
-            gone = _moved(codes, total, weight, curve, float(stops[index]))
+        if not still:
+            shown = _bounds(codes, curve, sigma, float(stops[index]))
+            gone = _moved(shown, known)
             moved[index] = gone.mean()
             share[gone] = 0.0
+            known = _narrowed(known, shown, gone)
         total += share * curve.linearize(codes) * np.float32(2.0 ** -stops[index])
         weight += share
     unseen = weight <= 0.0
@@ -113,12 +126,7 @@ def _weights(codes: Image, curve: InverseCRF, stops: Float, index: int) -> Image
     """Inverse variance of each pixel's light; outside of a moved photo nothing."""
     slope = np.gradient(curve.linear, curve.encoded, axis=1)
     variance = (slope * _CODE_NOISE) ** 2 + _PHOTON * curve.linear + _READ
-    grid = np.linspace(0.0, 1.0, _TABLE)
-    place = np.rint(np.clip(codes, 0.0, 1.0) * (_TABLE - 1)).astype(np.intp)
-    weight = np.empty_like(codes)
-    for channel in range(3):
-        table = 4.0 ** stops[index] / np.interp(grid, curve.encoded, variance[channel])
-        weight[..., channel] = table[place[..., channel]]
+    weight = _by_code(codes, curve, 4.0 ** stops[index] / variance)
     dark, bright = codes.min(axis=2), codes.max(axis=2)
     low = np.clip((dark - _DARK[0]) / (_DARK[1] - _DARK[0]), 0.0, 1.0)
     high = np.clip((_BRIGHT[1] - bright) / (_BRIGHT[1] - _BRIGHT[0]), 0.0, 1.0)
@@ -131,16 +139,66 @@ def _weights(codes: Image, curve: InverseCRF, stops: Float, index: int) -> Image
     return weight
 
 
-def _moved(codes: Image, total: Image, weight: Image, curve: InverseCRF, stops: float) -> Bool:
-    """Where a photo shows something else than what was merged so far, grown by a few pixels."""
-    known = (weight > 0.0).all(axis=2)
-    light = total / np.maximum(weight, np.float32(1e-30)) * np.float32(2.0**stops)
-    expected = curve.encode(light)
-    judged = known & (codes.min(axis=2) > _DARK[1]) & (codes.max(axis=2) < _BRIGHT[0])
-    judged |= known & (np.abs(expected - np.clip(codes, 0, 1)).max(axis=2) > 8 * _MOVED)
-    off = np.abs(cv2.blur(expected - codes, (_BOX, _BOX))).max(axis=2)
-    kernel = np.ones((3, 3), np.uint8)
-    span = (cv2.dilate(codes, kernel) - cv2.erode(codes, kernel)).max(axis=2)
-    found = (judged & (off > _MOVED + _TEXTURED * span)).astype(np.uint8)
-    found = cv2.morphologyEx(found, cv2.MORPH_OPEN, kernel)
+def _by_code(codes: Image, curve: InverseCRF, values: Float) -> Image:
+    """(3, K) values at the curve's codes, looked up at the codes of each channel."""
+    grid = np.linspace(0.0, 1.0, _TABLE)
+    place = np.rint(np.clip(codes, 0.0, 1.0) * (_TABLE - 1)).astype(np.intp)
+    found = np.empty_like(codes)
+    for channel, row in enumerate(values):
+        table = np.interp(grid, curve.encoded, row).astype(np.float32)
+        found[..., channel] = table[place[..., channel]]
+    return found
+
+
+class _Bounds(NamedTuple):
+    """(H, W, 3) between which the light of each pixel lies, as photos show it."""
+
+    least: Image
+    most: Image
+
+
+def _bounds(codes: Image, curve: InverseCRF, sigma: Float | None, stops: float) -> _Bounds:
+    """What a photo says of the light of the reference.
+
+    A code that is clipped, or next to one, says how much there is at least; one that is drowned
+    how much at most; and what lies outside of a moved photo says nothing.
+    """
+    kernel, factor = np.ones((_BOX, _BOX), np.uint8), np.float32(2.0**-stops)
+    highest, lowest = cv2.dilate(codes, kernel), cv2.erode(codes, kernel)
+    loose = _LOOSE + np.float32(_TEXTURED) * (highest - lowest).max(axis=2, keepdims=True)
+    flat = np.asarray(cv2.blur(codes, (_BOX, _BOX)), np.float32)
+    apart = 1.0 + _SURE * _by_code(flat, curve, _doubt(curve, sigma))
+    least = curve.linearize(np.clip(flat - loose, 0.0, 1.0)) / apart * factor
+    most = curve.linearize(np.clip(flat + loose, 0.0, 1.0)) * apart * factor
+    # A color that is clipped draws the others after it: hue is kept, and chroma is subsampled.
+    most[highest.max(axis=2) >= _BRIGHT[0]] = np.inf
+    least[lowest.min(axis=2) <= _DARK[0]] = 0.0
+    most[lowest.min(axis=2) < 0.0] = np.inf
+    return _Bounds(least.astype(np.float32), most.astype(np.float32))
+
+
+def _doubt(curve: InverseCRF, sigma: Float | None) -> Float:
+    """(3, K) standard deviation of the curve relative to its light, up to clipping."""
+    if sigma is None:
+        return np.zeros_like(curve.linear)
+    relative = sigma / np.maximum(curve.linear, _READ**0.5)
+    return np.where(curve.encoded <= _BRIGHT[0], relative, 0.0)
+
+
+def _moved(shown: _Bounds, known: _Bounds | None) -> Bool:
+    """Where a photo shows something else than those before it, grown by a few pixels."""
+    if known is None:
+        return np.zeros(shown.least.shape[:2], np.bool_)
+    apart = (shown.least > known.most) | (shown.most < known.least)
+    found = np.asarray(apart.any(axis=2), np.uint8)
+    found = np.asarray(cv2.morphologyEx(found, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8)))
     return np.asarray(cv2.dilate(found, np.ones((_GROWN, _GROWN), np.uint8)) > 0, np.bool_)
+
+
+def _narrowed(known: _Bounds | None, shown: _Bounds, gone: Bool) -> _Bounds:
+    """The bounds that all photos so far leave."""
+    if known is None:
+        return shown
+    least, most = np.maximum(known.least, shown.least), np.minimum(known.most, shown.most)
+    kept = gone[..., None] | (least > most)
+    return _Bounds(np.where(kept, known.least, least), np.where(kept, known.most, most))
