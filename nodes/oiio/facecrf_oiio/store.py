@@ -24,7 +24,7 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813
 
-from facecrf_ocio.image.lookup import cores
+from facecrf_ocio.files.threads import usable_cores
 
 Pixels = npt.NDArray[Any]
 
@@ -59,7 +59,7 @@ def store(image: oiio.ImageBuf, region: oiio.ROI, make: Callable[[oiio.ROI, Pixe
     """
     dtype = np.dtype(_DTYPES[image.spec().format.basetype])
     bands = _bands(region)
-    workers = min(cores(), len(bands))
+    workers = min(usable_cores(), len(bands))
     with ThreadPoolExecutor(workers) as threads:
         shares = [bands[first::workers] for first in range(workers)]
         for done in [threads.submit(_store, image, share, dtype, make) for share in shares]:
@@ -117,7 +117,7 @@ def _require(done: bool, image: oiio.ImageBuf) -> None:
 
 
 def _bands(region: oiio.ROI) -> list[oiio.ROI]:
-    rows = max(1, min(_BAND // region.width, -(-region.height // cores())))
+    rows = max(1, min(_BAND // region.width, -(-region.height // usable_cores())))
     return [
         oiio.ROI(
             region.xbegin,
