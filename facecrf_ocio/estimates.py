@@ -16,9 +16,8 @@ from facecrf_ocio.notebook.displayed import Displayed
 
 CHANNELS = ("R", "G", "B")
 
+# Share of the possible curves that the estimate is nearer to than sRGB, from which it differs.
 DIFFERS_SHARE = 0.95
-"""Share of the curves that a photo leaves possible to which the estimate is nearer than sRGB
-decoding, from which it is said to differ from sRGB."""
 
 
 class Outcome(str, Enum):

@@ -84,7 +84,7 @@ def unexplained(name):
 
 
 def test_files_are_short():
-    long = [name for name, text in SOURCES.items() if text.count("\n") > LONGEST_FILE]
+    long = [name for name, text in SOURCES.items() if text.count("\n") >= LONGEST_FILE]
     assert long == [], "split them by idea"
 
 

@@ -11,14 +11,7 @@ from typing import TYPE_CHECKING
 from facecrf_ocio import __version__
 from facecrf_ocio.archive.in_the_way import Alike, in_the_way
 from facecrf_ocio.archive.job import REOPENED, Event, Job
-from facecrf_ocio.archive.manifest.database import (
-    DONE,
-    GATHERED,
-    UNSEEN,
-    WRITING,
-    Manifest,
-    Stamp,
-)
+from facecrf_ocio.archive.manifest.database import DONE, GATHERED, UNSEEN, WRITING, Manifest, Stamp
 from facecrf_ocio.archive.manifest.twin_rows import mark_duplicates
 from facecrf_ocio.archive.place import MOUNT, Place, alone, require_apart, source_identity
 from facecrf_ocio.archive.task import FAILED, GATHER, WHOLE, Result, Task

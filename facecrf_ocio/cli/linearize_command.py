@@ -53,6 +53,12 @@ if TYPE_CHECKING:
     metavar="STOPS|gray",
     help="Scale the light: by stops, or its geometric mean to 0.18. Told in the EXR.",
 )
+@click.option(
+    "--uncertainty",
+    is_flag=True,
+    help="Add a channel, facecrf.sigma: the standard deviation of each pixel's light, by the band "
+    "of the curve.",
+)
 @estimation_options
 @ending_well
 def linearize(
@@ -63,6 +69,7 @@ def linearize(
     space: str | None,
     hdr: str,
     exposure: str,
+    uncertainty: bool,
     **choices: Any,
 ) -> int:
     """Calibrate each PHOTO and write it as a scene-linear EXR.
@@ -78,8 +85,10 @@ def linearize(
         raise SettingsError("--to needs scene light, which no gain map proves; use --hdr curve")
     if hdr == "map" and exposure != "0":
         raise SettingsError("--exposure is for the calibrated curve; use --hdr curve")
+    if hdr == "map" and uncertainty:
+        raise SettingsError("--uncertainty is the calibrated curve's; use --hdr curve")
     exr: dict[str, Any] = {"half": half, "compression": compression, "overwrite": chosen.overwrite}
-    job = _Linearization(chosen, space or "", hdr, exposure, exr)
+    job = _Linearization(chosen, space or "", hdr, exposure, uncertainty, exr)
     photos = tuple(dict.fromkeys(photos))
     if len(photos) == 1:
         return job.run(photos[0], output)
@@ -108,6 +117,7 @@ class _Linearization:
     space: str
     hdr: str
     exposure: str
+    uncertainty: bool
     exr: dict[str, Any]
 
     def run_one_of(self, path: Path, output: Path) -> int:
@@ -133,6 +143,7 @@ class _Linearization:
 
                 estimate = self.choices.estimate(source)
                 options = {"space": self.space, "exposure": self.exposure, **self.exr}
+                options["uncertainty"] = self.uncertainty
                 if estimate.found is not None:
                     written = (write_linear(output, source, estimate, **options),)
         if by_map:
@@ -140,7 +151,8 @@ class _Linearization:
         return tell(path, estimate, written, notes=source.notes, verbose=self.choices.verbose)
 
     def _is_by_map(self, photo: Photo) -> bool:
-        free = photo.gain_map is not None and not self.space and self.exposure == "0"
+        bound = bool(self.space) or self.exposure != "0" or self.uncertainty
+        free = photo.gain_map is not None and not bound
         return self.hdr == "map" or (self.hdr == "auto" and free)
 
 

@@ -114,6 +114,7 @@ def write_exr(
     half: bool = True,
     compression: str = "zip",
     overwrite: bool = False,
+    beside: Mapping[str, Rows] | None = None,
 ) -> Path:
     """Write linear light as a scene-linear OpenEXR file, whole or not at all.
 
@@ -135,6 +136,8 @@ def write_exr(
         Any of OpenEXR: `none`, `rle`, `zip`, `zips`, `piz`, `dwaa`, ...
     overwrite
         Replace an existing file. The photo itself is never replaced.
+    beside
+        Further channels by their names: functions that give rows (end - begin, W).
 
     Returns
     -------
@@ -155,13 +158,16 @@ def write_exr(
     require_free(path, overwrite=overwrite)
     if photo.path is not None and path.exists() and path.samefile(photo.path):
         raise OutputError(f"{path}: is the photo itself; choose another name")
-    count = 3 if photo.alpha is None else 4
-    header = exr_header((*shape[:2], count), photo, provenance, oiio.HALF if half else oiio.FLOAT)
+    names = (*("RGB" if photo.alpha is None else "RGBA"), *(beside or {}))
+    kind = oiio.HALF if half else oiio.FLOAT
+    header = exr_header(shape[:2], names, photo, provenance, kind)
     header.attribute("compression", compression)
     rows = linear if callable(linear) else _rows_of(linear)
 
     def finished(begin: int, end: int) -> Pixels:
-        return _finished(rows(begin, end), photo, begin, end, half)
+        color = _finished(rows(begin, end), photo, begin, end, half)
+        more = [channel(begin, end)[..., None] for channel in (beside or {}).values()]
+        return np.concatenate([color, *more], axis=2, dtype=color.dtype) if more else color
 
     return write_image_file(path, partial(_write_bands, header, finished), overwrite=overwrite)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -41,12 +41,16 @@ _LONGEST = 1 << 16
 
 
 def exr_header(
-    shape: tuple[int, ...], photo: Photo, provenance: Mapping[str, str], kind: Any
+    size: tuple[int, ...],
+    channels: Sequence[str],
+    photo: Photo,
+    provenance: Mapping[str, str],
+    kind: Any,
 ) -> oiio.ImageSpec:
-    """Header of an EXR of (H, W, C) linear pixels of a photo; `kind` is one of OpenImageIO's."""
-    height, width, count = shape
-    header = oiio.ImageSpec(width, height, count, kind)
-    header.channelnames = ("R", "G", "B", "A")[:count]
+    """Header of an EXR of (H, W) linear pixels of a photo; `kind` is one of OpenImageIO's."""
+    height, width = size
+    header = oiio.ImageSpec(width, height, len(channels), kind)
+    header.channelnames = tuple(channels)
     if photo.path is not None:
         _keep_metadata(photo.path, header)
     header.attribute("Orientation", 1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -14,6 +15,7 @@ from facecrf_ocio.image.apply import Pixels, Rows, linear_rows, write_exr
 from facecrf_ocio.image.exposure import exposure_stops
 from facecrf_ocio.image.lookup import curve_lookup
 from facecrf_ocio.image.lut_lookup import lut_lookup
+from facecrf_ocio.image.uncertainty import CHANNEL, sigma_rows
 from facecrf_ocio.record.provenance import of_estimate, of_lut
 from facecrf_ocio.values import Estimate, Photo, Primaries
 
@@ -25,15 +27,17 @@ def write_linear(
     *,
     space: str = "",
     exposure: str = "0",
+    uncertainty: bool = False,
     half: bool = True,
-    compression: str = "zip",
-    overwrite: bool = False,
+    **file: Any,
 ) -> Path:
     """Send a photo through its estimated curve and write the result; see `apply.write_exr`.
 
     With `space`, one of `color.working_space.WORKING_SPACES`, a matrix from the photo's primaries
     (Rec.709 where they are not known) follows the curve. `exposure`, as `exposure_stops` takes it,
-    scales the light; the curve stays as it is, and the file tells the stops.
+    scales the light; the curve stays as it is, and the file tells the stops. With `uncertainty` a
+    channel more, `uncertainty.CHANNEL`, says how far each pixel's light may be off. `half` and
+    `file` (`compression`, `overwrite`) are as `write_exr` takes them.
 
     Raises
     ------
@@ -42,7 +46,7 @@ def write_linear(
     OutputError
         If the file exists and `overwrite` is false, or it cannot be written.
     SettingsError
-        If the exposure is not known.
+        If the exposure is not known, or there is no uncertainty to write.
     """
     provenance = of_estimate(photo, estimate)
     stops = exposure_stops(exposure, photo, estimate.curve)
@@ -55,6 +59,7 @@ def write_linear(
         provenance = {**provenance, "exposure": f"{stops:+.3f} stops ({exposure})"}
     if photo.named_curve:
         photo = replace(photo, primaries=_of_display(photo))
+    beside = {CHANNEL: sigma_rows(photo, estimate, 2.0**stops)} if uncertainty else None
     if space:
         linear, photo = _in_space(linear, photo, space)
     return write_exr(
@@ -63,8 +68,8 @@ def write_linear(
         photo,
         provenance=provenance,
         half=half,
-        compression=compression,
-        overwrite=overwrite,
+        beside=beside,
+        **file,
     )
 
 

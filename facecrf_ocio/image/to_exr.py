@@ -32,7 +32,8 @@ def linearize_photo(
     estimator, fallback, prior
         As `calibrate` takes them.
     options
-        `space`, `exposure`, `half`, `compression` and `overwrite`, as `write_linear` takes them.
+        `space`, `exposure`, `half`, `compression`, `overwrite` and `uncertainty`, as `write_linear`
+        takes them.
 
     Raises
     ------

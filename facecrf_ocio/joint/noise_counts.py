@@ -34,8 +34,7 @@ RESIDUES = np.array(
 EDGE_LEVELS = 8  # of 32 codes each, not much more than the faintest edge has
 # [px] down and right, by distance: 1, its diagonal, 2; a mosaic has a period of two.
 LAGS = ((0, 1), (1, 0)), ((1, 1),), ((0, 2), (2, 0))
-BLOCK = 8
-"""[px] Side of a JPEG's blocks."""
+BLOCK = 8  # [px] side of a JPEG's blocks
 
 _PAIRS = ((0, 1), (1, 2), (0, 2))  # of channels, each once
 _GREEN = 1  # index of the channel that a mosaic samples most densely
