@@ -21,3 +21,10 @@ def development_data() -> Path:
     if not (folder / "crf").is_dir():
         pytest.skip(f"development data are not in {folder}; set FACECRF_DATA")
     return folder
+
+
+@pytest.fixture
+def held_out_weights(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of the checkout: the package may be one that is installed, which has none."""
+    checkout = Path(__file__).parents[1] / "examples" / "results" / "held_out_joint.npz"
+    monkeypatch.setattr("facecrf_ocio.benchmark.joint_folds.HELD_OUT", checkout)

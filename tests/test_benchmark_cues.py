@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -84,10 +83,8 @@ def test_the_command_writes_its_tables(folder, tmp_path):
     assert {"cues.md", "cues.csv", "cues.json"} <= {p.name for p in (tmp_path / "out").iterdir()}
 
 
-def test_what_was_trained_with_is_held_out_by_weights_without_it(folder, monkeypatch):
-    # The package may be one that is installed, and these weights are in the checkout.
-    checkout = Path(__file__).parents[1] / "examples" / "results" / "held_out_joint.npz"
-    monkeypatch.setattr(joint_folds, "HELD_OUT", checkout)
+@pytest.mark.usefixtures("held_out_weights")
+def test_what_was_trained_with_is_held_out_by_weights_without_it(folder):
     strange = read_responses(folder / "curves.npz")
     assert joint_model(strange, 1) is shipped_joint()
     stacks = replace(strange, sha256=STACKS)

@@ -116,6 +116,7 @@ def test_models_are_told_by_name(name, model):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("held_out_weights")
 def test_half_the_error_by_another_s_measurement(development_data):
     folder = development_data / "crf"
     files = [read_responses(folder / f"modern_{name}.npz") for name in ("dev", "stacks")]
