@@ -411,7 +411,7 @@ def test_nothing_is_replaced_and_nothing_is_left_half_written(tmp_path):
     output = tmp_path / "config.ocio"
     write_config([lut], output)
     before = output.read_bytes()
-    with pytest.raises(OutputError, match="--overwrite"):
+    with pytest.raises(OutputError, match="pass overwrite=True"):
         write_config([lut], output)
     write_config([lut], output, overwrite=True)
     assert output.read_bytes() == before
