@@ -160,7 +160,7 @@ class TestJpeg:
         assert len(parts.picture) + len(parts.rest) <= len(tail) + 5
 
 
-def xmp_segment(orientation: int, form: str) -> bytes:
+def xmp_segment(orientation: int | str, form: str) -> bytes:
     said = {
         "attribute": f'<rdf:Description tiff:Orientation="{orientation}"/>',
         "element": f"<rdf:Description><tiff:Orientation>{orientation}</tiff:Orientation>"
@@ -176,6 +176,13 @@ class TestOrientation:
         path = tmp_path / "a.jpg"
         path.write_bytes(with_segments(JPEG, xmp_segment(6, form)))
         assert np.array_equal(read_photo(path).encoded, np.rot90(pixels(JPEG), -1))
+
+    @pytest.mark.parametrize("said", ["1" * 5000, "0", "9", "12"], ids=len)
+    def test_of_xmp_that_is_none(self, tmp_path: Path, said: str) -> None:
+        path, plain = tmp_path / "a.jpg", tmp_path / "b.jpg"
+        path.write_bytes(with_segments(JPEG, xmp_segment(said, "attribute")))
+        plain.write_bytes(JPEG)
+        assert np.array_equal(read_photo(path).encoded, read_photo(plain).encoded)
 
     def test_exif_goes_before_xmp(self, tmp_path: Path) -> None:
         path = tmp_path / "a.jpg"

@@ -23,6 +23,9 @@ _UPRIGHT: dict[int, Callable[[Any], Any]] = {
 }
 
 
+_EIGHT = "12345678"  # orientations as XMP spells them
+
+
 def upright(image: Pixels, orientation: int) -> Pixels:
     """Apply an EXIF orientation, 1 to 8, to (H, W) or (H, W, 3); other numbers change nothing."""
     turn = _UPRIGHT.get(orientation)
@@ -34,5 +37,7 @@ def orientation_of(spec: Any, xmp: str) -> int:
     told = spec.get_int_attribute("Orientation", 0)
     if told == 0:
         value = value_of(xmp, "tiff:Orientation")
-        told = int(value) if value.isascii() and value.isdigit() else 1
+        told = (
+            int(value) if len(value) == 1 and value in _EIGHT else 1
+        )  # thousands of digits cannot even be read
     return int(told)
