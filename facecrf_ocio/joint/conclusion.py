@@ -120,7 +120,7 @@ def conclude(
     weights = model.prior.weights_for(prior, *np.mean(leanings, axis=0).tolist())
     known = _known(telling, model.prior, cameras)
     named = dict(zip(called, telling, strict=True))
-    posterior, dissent = _pool(named, model.prior, weights, known)
+    posterior, dissent = _fused(named, model.prior, weights, known)
     coefficients = posterior.mean
     curve = strictly_increasing([model.prior.samples(coefficients)] * len(CHANNELS))
     found = inverse_crf(model.prior.grid, curve)
@@ -197,13 +197,13 @@ def misfit(evidence: PhotoEvidence, estimate: Estimate, model: JointModel | None
     if not evidence.messages or estimate.coefficients is None:
         return 0.0
     weights = model.prior.weights_for("auto", evidence.leaning, evidence.phone)
-    own, _ = _pool({"photo": evidence}, model.prior, weights, {})
+    own, _ = _fused({"photo": evidence}, model.prior, weights, {})
     offset = own.mean - estimate.coefficients[0]
     distance = float(offset @ np.linalg.solve(own.covariance, offset))
     return float(np.sqrt(distance / offset.size))
 
 
-def _pool(
+def _fused(
     telling: Mapping[str, PhotoEvidence],
     prior: FamilyPrior,
     weights: Float,

@@ -11,7 +11,7 @@ import corpus
 from facecrf_ocio.archive.check_outputs import verify
 from facecrf_ocio.archive.manifest.database import FILE, Manifest
 from facecrf_ocio.archive.manifest.twin_rows import mark_duplicates, twins_of
-from facecrf_ocio.archive.report.contents import gather
+from facecrf_ocio.archive.report.contents import read_archive
 from facecrf_ocio.image.lut_lookup import lut_lookup
 from facecrf_ocio.lut.lint import lint
 from facecrf_ocio.photo.named_curve import curve_of_profile, is_other_curve
@@ -52,7 +52,7 @@ def _tags(path: Path) -> None:
 def _manifest(path: Path) -> None:
     for leftover in path.parent.glob(f"{FILE}-*"):
         leftover.unlink()
-    gather(path.parent)
+    read_archive(path.parent)
     list(verify(path.parent))
     manifest = Manifest(path.parent)
     try:

@@ -106,7 +106,7 @@ class Archive:
     misfits: frozenset[str] = frozenset()
 
 
-def gather(folder: Path) -> Archive:
+def read_archive(folder: Path) -> Archive:
     """Read a manifest without changing it, as it is at one moment even while a batch writes to it.
 
     Raises

@@ -9,7 +9,7 @@ from datetime import datetime
 from pathlib import Path
 
 from facecrf_ocio.archive.check_outputs import REPORT
-from facecrf_ocio.archive.report.contents import Archive, Row, gather
+from facecrf_ocio.archive.report.contents import Archive, Row, read_archive
 from facecrf_ocio.archive.report.html import ARCHIVE_PAGE, render
 from facecrf_ocio.archive.report.links import relative_url, require_page
 from facecrf_ocio.archive.report.look_again import pictures_of
@@ -74,7 +74,7 @@ def write_report(
     """
     path = folder / REPORT if path is None else path
     overwrite = require_page(path, ARCHIVE_PAGE, overwrite=overwrite)
-    archive = gather(folder)
+    archive = read_archive(folder)
     there = archive.source is not None and archive.source.is_dir()
     pictures = _pictures(archive, limit, jobs, watch)
     now = datetime.now().astimezone().isoformat(sep=" ", timespec="minutes")
