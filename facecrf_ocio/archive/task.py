@@ -74,7 +74,7 @@ class Gathered:
     face
         JSON: x, y, width, height [px] and score of the face it comes from; empty without one.
     samples
-        See `samples.py`.
+        See `pair/code_samples.py`.
     """
 
     evidence: str

@@ -16,6 +16,7 @@ from facecrf_ocio.errors import PhotoError, SettingsError
 from facecrf_ocio.joint.metadata import modern_leaning, phone_leaning
 from facecrf_ocio.joint.prior import FamilyPrior, shipped_prior
 from facecrf_ocio.joint.verdict import judge, verdict_of
+from facecrf_ocio.response.coverage import coverage_at, coverage_counts
 from facecrf_ocio.response.model import inverse_crf
 from facecrf_ocio.values import (
     CHANNELS,
@@ -36,7 +37,6 @@ charts in light of any color it is 0.9 and more."""
 MOST_RESIDUAL = 0.15
 """[stop] beyond which no curve joins the grays."""
 _ROUNDS = 4  # between the curve and the light that falls on the chart
-_BINS = 64  # of code values, in which coverage is told
 _REMEDY = (
     "photograph a ColorChecker Classic in even light, its white patch not clipped, all of it in "
     "the picture and 100 px wide or more; give the corners of its patches with --corners"
@@ -231,12 +231,10 @@ def _in_stops(fit: GrayFit, found: InverseCRF, prior: FamilyPrior, wider: float)
 
 
 def _coverage(patches: Patches, found: InverseCRF) -> Float:
-    centers = (np.arange(_BINS) + 0.5) / _BINS
     rows = []
     for channel in range(len(CHANNELS)):
         used = patches.mean[GRAYS[patches.usable[GRAYS, channel]], channel]
-        counts, _ = np.histogram(used, _BINS, (0.0, 1.0))
-        rows.append(np.interp(found.encoded, centers, counts / counts.max()))
+        rows.append(coverage_at(found.encoded, coverage_counts(used)))
     return np.array(rows)
 
 

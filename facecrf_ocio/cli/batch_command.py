@@ -12,8 +12,8 @@ import click
 
 from facecrf_ocio.archive.walk import Passed, photos_under
 from facecrf_ocio.cli.batch_progress import Progress, kind_of
-from facecrf_ocio.cli.calibrate_command import formats_option
 from facecrf_ocio.cli.options import TEXT_PATH, Choices, direction_options, estimation_options
+from facecrf_ocio.cli.output_files import formats_option
 from facecrf_ocio.cli.terminal import (
     DONE,
     FAILED,

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from facecrf_ocio.cli.calibrate_command import PLOT_SUFFIX, formats_option
-from facecrf_ocio.cli.options import PHOTO_PATH, TEXT_PATH, direction_options
+from facecrf_ocio.cli.options import PHOTO_PATH
+from facecrf_ocio.cli.output_files import OutputFiles, folder_option, measurement_options
 from facecrf_ocio.cli.terminal import USAGE, complain, ending_well, require_writable, status, tell
 from facecrf_ocio.errors import LutError, SettingsError
 
@@ -61,24 +61,15 @@ def _numbers(given: str, count: int) -> list[float]:
 
 @click.command()
 @click.argument("photos", nargs=-1, required=True, type=PHOTO_PATH)
-@click.option(
-    "-o", "--output", required=True, type=TEXT_PATH, metavar="DIR", help="Where to write."
-)
+@folder_option
 @stops_option
-@formats_option
-@direction_options
-@click.option("--plot", is_flag=True, help=f"Also write NAME{PLOT_SUFFIX}: the curves.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
-@click.option("--overwrite", is_flag=True, help="Replace existing outputs.")
+@measurement_options
 @ending_well
 def bracket(
     photos: tuple[Path, ...],
     output: Path,
     given: str | None,
-    formats: tuple[str, ...],
-    plot: bool,
     as_json: bool,
-    overwrite: bool,
     **way: Any,
 ) -> int:
     """Find the response of a camera from PHOTOS of one scene at different exposures.
@@ -87,31 +78,18 @@ def bracket(
     The outputs are those of `facecrf calibrate`, named after the first photo.
     """
     from facecrf_ocio import read_photo
-    from facecrf_ocio.files.atomic import require_free
-    from facecrf_ocio.lut.write import endings
-    from facecrf_ocio.record.outputs import require_outputs_free, write_outputs
     from facecrf_ocio.settings import Settings
 
     try:
-        formats = endings(formats, way["direction"], way["space"] or "")
+        outputs = OutputFiles.asked(output, **way)
     except LutError as error:
         return complain(str(error), USAGE)
     require_writable(output)
     first = photos[0]
-    picture = output / f"{first.stem}{PLOT_SUFFIX}"
-    require_outputs_free(first, output, formats, overwrite=overwrite)
-    if plot:
-        require_free(picture, overwrite=overwrite)
+    outputs.require_free(first)
     with status(f"solving a bracket of {len(photos)} photos"):
         estimate = solve(tuple(dict.fromkeys(photos)), given).estimate
         if estimate.found is None:
             return tell(first, estimate, (), as_json=as_json)
-        photo, also = read_photo(first), []
-        if plot:
-            from facecrf_ocio.plots.calibration_plot import plot_draft
-
-            also.append(plot_draft(picture, photo, estimate, Settings()))
-        written = write_outputs(
-            photo, estimate, Settings(), output, formats, overwrite=overwrite, also=also
-        )
+        written = outputs.write(first, read_photo(first), estimate, Settings())
     return tell(first, estimate, written, as_json=as_json)

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from facecrf_ocio.cli.options import (
-    PHOTO_PATH,
-    TEXT_PATH,
-    Choices,
-    direction_options,
-    estimation_options,
-)
+from facecrf_ocio.cli.options import PHOTO_PATH, Choices, direction_options, estimation_options
+from facecrf_ocio.cli.output_files import PLOT_SUFFIX, OutputFiles, folder_option, formats_option
 from facecrf_ocio.cli.terminal import (
     DONE,
     FAILED,
@@ -33,46 +27,17 @@ from facecrf_ocio.cli.terminal import (
     tell_json,
 )
 from facecrf_ocio.errors import FaceCRFError, LutError, OutputError
-from facecrf_ocio.lut.format_table import default_formats, format_names
 
 if TYPE_CHECKING:
     from facecrf_ocio.together import Together
     from facecrf_ocio.values import Estimate, Photo
-
-PLOT_SUFFIX = ".crf.png"
-"""Not `.png`, which next to a PNG photo would be the photo itself."""
-
-
-def formats_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the option `--formats`: a tuple of endings in `format_table`."""
-    return click.option(
-        "--formats",
-        default=",".join(default_formats()),
-        show_default=True,
-        callback=_split_formats,
-        help=f"LUT formats, by commas, of {', '.join(format_names())}.",
-    )(command)
-
-
-def _split_formats(context: click.Context, option: click.Parameter, value: str) -> tuple[str, ...]:
-    """Parse LUT formats separated by commas, or fail as wrong usage."""
-    names = tuple(dict.fromkeys(name.strip().lower() for name in value.split(",") if name.strip()))
-    known = ", ".join(format_names())
-    unknown = [name for name in names if name not in format_names()]
-    if unknown:
-        raise click.BadParameter(f"no LUT format {unknown[0]!r}; known: {known}", context, option)
-    if not names:
-        raise click.BadParameter(f"name at least one of {known}", context, option)
-    return names
 
 
 @dataclass(frozen=True, slots=True)
 class _Calibration:
     """What is to be written of each photo, and how it is told."""
 
-    folder: Path
-    formats: tuple[str, ...]
-    plot: bool
+    outputs: OutputFiles
     as_json: bool
     choices: Choices
     together: Together | None = None
@@ -94,14 +59,7 @@ class _Calibration:
         return tell(path, estimate, written, notes=photo.notes, **options)
 
     def _calibrate(self, path: Path) -> tuple[Photo, Estimate, tuple[Path, ...]]:
-        from facecrf_ocio.files.atomic import require_free
-        from facecrf_ocio.record.outputs import require_outputs_free, write_outputs
-
-        overwrite, settings = self.choices.overwrite, self.choices.settings
-        picture = self.folder / f"{path.stem}{PLOT_SUFFIX}"
-        require_outputs_free(path, self.folder, self.formats, overwrite=overwrite)
-        if self.plot:
-            require_free(picture, overwrite=overwrite)
+        self.outputs.require_free(path)
         if self.together is None:
             photo, estimate = self.choices.read_and_estimate(path)
         else:
@@ -110,14 +68,7 @@ class _Calibration:
             photo, estimate = read_photo(path), self.together.estimate
         if estimate.found is None:
             return photo, estimate, ()
-        also = []
-        if self.plot:
-            from facecrf_ocio.plots.calibration_plot import plot_draft
-
-            also.append(plot_draft(picture, photo, estimate, settings))
-        written = write_outputs(
-            photo, estimate, settings, self.folder, self.formats, overwrite=overwrite, also=also
-        )
+        written = self.outputs.write(path, photo, estimate, self.choices.settings)
         return photo, estimate, written
 
 
@@ -141,9 +92,7 @@ def _estimate_together(photos: tuple[Path, ...], choices: Choices) -> Together:
 
 @click.command()
 @click.argument("photos", nargs=-1, required=True, type=PHOTO_PATH)
-@click.option(
-    "-o", "--output", required=True, type=TEXT_PATH, metavar="DIR", help="Where to write."
-)
+@folder_option
 @formats_option
 @direction_options
 @click.option(
@@ -170,19 +119,20 @@ def calibrate(
 
     For a.jpg the folder, made if it is missing, gets a.spi1d, a.cube, a.clf and a.crf.json.
     """
-    from facecrf_ocio.lut.write import endings
     from facecrf_ocio.record.outputs import require_distinct_names
 
     photos = tuple(dict.fromkeys(photos))
     try:
         require_distinct_names(photos)
-        formats = endings(formats, direction, space or "")
+        outputs = OutputFiles.asked(
+            output, formats, direction, space, plot=plot, overwrite=choices["overwrite"]
+        )
     except (OutputError, LutError) as error:
         return complain(str(error), USAGE)
     require_writable(output)
     chosen = Choices(**choices)
     shared = _estimate_together(photos, chosen) if together else None
-    job = _Calibration(output, formats, plot, as_json, chosen, shared)
+    job = _Calibration(outputs, as_json, chosen, shared)
     codes = []
     for number, path in enumerate(photos, start=1):
         place = f" ({number} of {len(photos)})" if len(photos) > 1 else ""

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from facecrf_ocio.cli.calibrate_command import formats_option
 from facecrf_ocio.cli.options import TEXT_PATH, Choices, direction_options, estimation_options
+from facecrf_ocio.cli.output_files import formats_option
 from facecrf_ocio.cli.terminal import (
     USAGE,
     complain,

@@ -158,8 +158,10 @@ def _known(
     cameras: Sequence[KnownCamera] | None,
 ) -> dict[tuple[str, str], KnownResponse]:
     """What was measured of the cameras that the photos name."""
+    named = {one.camera for one in telling if one.camera[1].strip()}
+    if not named:
+        return {}  # most photos: the registry is not read for them
     listed = known_cameras() if cameras is None else cameras
-    named = {one.camera for one in telling}
     found = {one: known_response(listed, *one, prior) for one in sorted(named)}
     return {one: known for one, known in found.items() if known is not None}
 

@@ -11,6 +11,7 @@ from facecrf_ocio.pair.align import MIN_CORRELATION, Aligned, align
 from facecrf_ocio.pair.extrapolate import continued
 from facecrf_ocio.pair.fit_channel import ChannelFit, fit_channel
 from facecrf_ocio.pair.flat_pixels import Samples, choose_samples
+from facecrf_ocio.response.coverage import COVERAGE_BINS, coverage_at
 from facecrf_ocio.response.expected_stops import expected_of_sigma
 from facecrf_ocio.response.fixed import prior_confidence
 from facecrf_ocio.response.model import CURVE_SIZE, ResponseModel, dorf_model, strictly_increasing
@@ -31,7 +32,6 @@ MIN_SPAN = 0.25
 MAX_RESIDUAL_CODES = 12.0  # [8-bit code] beyond which one curve does not explain the pair
 RELIABLE_RESIDUAL_CODES = 3.0  # [8-bit code] up to which it does so within noise and compression
 RELIABLE_SPAN = 0.75  # [encoded] that samples must cover, or much of the curve is continued
-_BINS = 64  # of code values, in which the residual's spread is measured
 _MIN_PER_BIN = 10  # samples that make a bin one that is seen
 _ANOTHER = "give the two pictures of one exposure, neither of them retouched"
 
@@ -164,7 +164,7 @@ def _confidence(
     sigma, coverage = np.empty_like(prior), np.empty_like(prior)
     for channel, (chosen, fit) in enumerate(zip(samples, fits, strict=True)):
         centers, spreads, counts = _spreads(chosen.encoded, fit.residual)
-        coverage[channel] = np.interp(codes, centers, counts / max(counts.max(), 1))
+        coverage[channel] = coverage_at(codes, counts)
         seen = counts >= _MIN_PER_BIN
         near = np.interp(codes, centers, np.asarray(seen, float))
         measured = np.interp(codes, centers[seen], spreads[seen])
@@ -188,13 +188,14 @@ def _confidence(
 
 
 def _spreads(encoded: Float, residual: Float) -> tuple[Float, Float, Float]:
-    """Centers, robust standard deviations and counts of 64 ranges of codes."""
-    bins = np.clip((encoded * _BINS).astype(np.intp), 0, _BINS - 1)
-    counts = np.bincount(bins, minlength=_BINS).astype(np.float64)
+    """Centers, robust standard deviations and counts of the ranges of codes of coverage."""
+    size = COVERAGE_BINS
+    bins = np.clip((encoded * size).astype(np.intp), 0, size - 1)
+    counts = np.bincount(bins, minlength=size).astype(np.float64)
     spreads = np.array(
-        [1.4826 * np.median(np.abs(residual[bins == b])) if counts[b] else 0 for b in range(_BINS)]
+        [1.4826 * np.median(np.abs(residual[bins == b])) if counts[b] else 0 for b in range(size)]
     )
-    return (np.arange(_BINS) + 0.5) / _BINS, spreads, counts
+    return (np.arange(size) + 0.5) / size, spreads, counts
 
 
 def _assumptions(encoded: Photo, matrix: Float) -> tuple[str, ...]:

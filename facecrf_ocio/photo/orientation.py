@@ -21,9 +21,8 @@ _UPRIGHT: dict[int, Callable[[Any], Any]] = {
     7: lambda image: cv2.rotate(cv2.transpose(image), cv2.ROTATE_180),
     8: lambda image: cv2.rotate(image, cv2.ROTATE_90_COUNTERCLOCKWISE),
 }
-
-
-_EIGHT = "12345678"  # orientations as XMP spells them
+# As XMP spells them; of any other text, thousands of digits among them, none is a number here.
+_XMP = {str(orientation): orientation for orientation in range(1, 9)}
 
 
 def upright(image: Pixels, orientation: int) -> Pixels:
@@ -37,7 +36,5 @@ def orientation_of(spec: Any, xmp: str) -> int:
     told = spec.get_int_attribute("Orientation", 0)
     if told == 0:
         value = value_of(xmp, "tiff:Orientation")
-        told = (
-            int(value) if len(value) == 1 and value in _EIGHT else 1
-        )  # thousands of digits cannot even be read
+        told = _XMP.get(value, 1)
     return int(told)

@@ -14,7 +14,7 @@ from facecrf_ocio.benchmark.responses import read_responses
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude
 from facecrf_ocio.joint.statistics import counted_statistics
 from facecrf_ocio.response.coverage import COVERAGE_BINS
-from facecrf_ocio.response.stops import stops_error, uniform
+from facecrf_ocio.response.stops import NINETY_PERCENT, stops_error, uniform
 from facecrf_ocio.training.before_camera import read_head, read_surroundings
 from facecrf_ocio.training.curves import NO_ROW, Draw, fold_of_rows
 from facecrf_ocio.training.plan import STACKS, Data
@@ -22,7 +22,6 @@ from facecrf_ocio.training.simulate import Example, simulate
 from facecrf_ocio.values import Confidence, Float, InverseCRF
 
 COVERED = 0.9  # share of all codes: bands are told as 90 % bands everywhere
-_NORMAL = 1.645  # deviations within which nine of ten normal errors lie
 _HEAPS, _HEAPS_SEED = 8, 99  # others than those of training
 _INSIDE = slice(32, -32)  # of 4096 codes: the ends are known
 
@@ -59,7 +58,7 @@ def measure_band(data: Data, held_out: Path, photos: int, seed: int) -> Measured
         for model in [held_out_joint(held_out, names.of(example.drawn))]
     ]
     found = [photo.distances() for photo in taken]
-    scale = float(np.quantile(np.concatenate(found), COVERED)) / _NORMAL
+    scale = float(np.quantile(np.concatenate(found), COVERED)) / NINETY_PERCENT
     errors = np.array([photo.errors(scale) for photo in taken])
     mid, shadows = errors[:, 0].mean(axis=0) / errors[:, 1].mean(axis=0)
     distances = np.array([np.quantile(one, COVERED) for one in found])

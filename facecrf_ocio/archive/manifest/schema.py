@@ -20,7 +20,7 @@
 `evidence`, one row a photo of such a run
     `photo` (key), `evidence` (`PhotoEvidence.to_json`), `face` (JSON: x, y, width, height, score of
     the face used; empty without), `samples` (8-bit RGB code values at the points of a regular grid,
-    see `samples.py`; by these brackets are recognized and solved).
+    see `pair/code_samples.py`; by these brackets are recognized and solved).
 `cameras`, one row a group of photos whose curve is one
     `key`, `make`, `model`, `serial`, `software`, `style` (picture settings that EXIF gives),
     `recipe`, `members` (number of photos), `telling` (of them with evidence), `used` (of them in
@@ -42,7 +42,7 @@
 `about`
     `key`, `value`: `schema`; `source` (folder of the photos); `recipe HASH` (JSON: how photos of
     that recipe were treated, for whoever makes outputs again); `cpu` (JSON: the processors that
-    worked on it, see `software.py`).
+    worked on it, see `files/processor.py`).
 
 All columns but the three durations, `written_ns` and the source's own `mtime_ns` and `ctime_ns` are
 the same for an unbroken run and for one that was resumed.

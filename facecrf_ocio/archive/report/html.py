@@ -33,9 +33,10 @@ _PARTS = (
 )
 
 ARCHIVE_PAGE = "facecrf: report of an archive"
-"""Title in the file of a report, by which an older one is known."""
+"""Title of a report, by which an older one is known."""
 PHOTO_PAGE = "facecrf: one photo"
-"""Title in the file of the page of one photo."""
+"""Title of the page of one photo."""
+_BODIES = {ARCHIVE_PAGE: "page.html", PHOTO_PAGE: "photo.html"}
 
 _Value = TypeVar("_Value")
 
@@ -61,7 +62,7 @@ def render(
     generated: str,
     source_is_there: bool,
     links: tuple[str, str] = ("", ""),
-    template: str = "page.html",
+    title: str = ARCHIVE_PAGE,
 ) -> bytes:
     """Return the HTML of a report.
 
@@ -77,8 +78,8 @@ def render(
         Whether the folder of the photos could be found.
     links
         Addresses of the folders of the photos and of the outputs; empty where none is known.
-    template
-        Of an archive or of one photo.
+    title
+        `ARCHIVE_PAGE` or `PHOTO_PAGE`, which says what page it is.
     """
     curves = CurveList()
     words = _Words()
@@ -110,7 +111,7 @@ def render(
     for number, item in enumerate(shown):
         if item.large is not None:
             blocks[f"large-{number}"] = _json(item.large)
-    return _assemble(blocks, template)
+    return _assemble(blocks, title)
 
 
 def _columns(
@@ -207,8 +208,9 @@ def _json(value: object) -> str:
     return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
 
 
-def _assemble(blocks: Mapping[str, str], page: str) -> bytes:
-    template, style, script = _source(page), _source("page.css"), page_script()
+def _assemble(blocks: Mapping[str, str], title: str) -> bytes:
+    head, body = _source("head.html"), _source(_BODIES[title])
+    style, script = _source("page.css"), page_script()
     # Nothing may run or be styled but what is hashed here; nothing may be fetched at all.
     policy = (
         f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; "
@@ -218,12 +220,13 @@ def _assemble(blocks: Mapping[str, str], page: str) -> bytes:
         f'<script type="application/json" id="{name}">{text}</script>'
         for name, text in blocks.items()
     )
-    head, _, tail = template.partition("<!-- data -->")
+    body, _, tail = body.partition("<!-- data -->")
     head = head.replace("<!-- policy -->", escape(policy, quote=True))
+    head = head.replace("<!-- title -->", title)
     head = head.replace("/* style */", style)
     tail = tail.replace("/* script */", script)
     # What UTF-8 cannot hold becomes JSON's own escape: it can stand in the data alone.
-    return (head + elements + tail).encode("utf-8", "backslashreplace")
+    return (head + body + elements + tail).encode("utf-8", "backslashreplace")
 
 
 def page_script() -> str:

@@ -56,7 +56,7 @@ def write_photo_page(
         generated=datetime.now().astimezone().isoformat(sep=" ", timespec="minutes"),
         source_is_there=True,
         links=(_address(path, photo), relative_url(path, folder)),
-        template="photo.html",
+        title=PHOTO_PAGE,
     )
     return write_files([Draft(path, content, lambda _: None)], overwrite=overwrite)[0]
 

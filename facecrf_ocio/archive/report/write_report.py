@@ -57,7 +57,7 @@ def write_report(
     folder
         Where the batch wrote to. The photos are looked up where its manifest says, and only read.
     path
-        File to write, `verify.REPORT` in the folder by default.
+        File to write, `check_outputs.REPORT` in the folder by default.
     overwrite
         Replace an existing file, even one that is no report.
     limit

@@ -59,7 +59,7 @@ class _Worker:
 
 
 class Pool:
-    """Some processes that run `worker.process`; use it as a context manager."""
+    """Some processes that run `one_photo.process`; use it as a context manager."""
 
     def __init__(self, jobs: int, limits: Limits) -> None:
         self.jobs, self.limits = jobs, limits
