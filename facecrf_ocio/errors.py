@@ -41,7 +41,7 @@ class OutputError(FaceCRFError):
 class ExistsError(OutputError):
     """A file is there already, and nobody allowed to replace it.
 
-    Its text says how Python allows it; a command has a flag of its own to name.
+    Its text says how Python allows it; `on_command_line` names the flag that commands have.
 
     Parameters
     ----------
@@ -55,6 +55,14 @@ class ExistsError(OutputError):
         self.target = target
         self.problem = problem
         super().__init__(f"{target}: {problem}; pass overwrite=True to replace it")
+
+    def on_command_line(self) -> str:
+        """The same as commands tell it."""
+        return f"{self.target}: {self.problem}; {OVERWRITE}"
+
+
+OVERWRITE = "pass --overwrite to replace it"
+"""What commands advise where a file is in the way."""
 
 
 class SettingsError(FaceCRFError):

@@ -128,8 +128,10 @@ class GainMap:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "values", frozen(self.values, np.float32))
+        for name in ("low", "high", "gamma", "base_offset", "offset"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
         numbers = (self.low, self.high, self.gamma, self.base_offset, self.offset)
-        if not all(np.shape(n) == (3,) and np.isfinite(n).all() for n in numbers):
+        if not all(n.shape == (3,) and np.isfinite(n).all() for n in numbers):
             raise SettingsError("a gain map needs three finite numbers for each of its parameters")
 
 

@@ -14,7 +14,7 @@ from command_line import CommandLine, write_noise
 
 from facecrf_ocio.archive import report, run
 from facecrf_ocio.archive.report import write_report
-from facecrf_ocio.archive.work.processes import Pool
+from facecrf_ocio.archive.work.processes import Workers
 from facecrf_ocio.files.threads import usable_cores
 
 pytestmark = pytest.mark.skipif(
@@ -51,11 +51,11 @@ def test_batch_starts_as_many_processes(
 ) -> None:
     asked = []
 
-    def pool(jobs: int, *rest: object) -> Pool:
+    def workers(jobs: int, *rest: object) -> Workers:
         asked.append(jobs)
-        return Pool(jobs, *rest)  # type: ignore[arg-type]
+        return Workers(jobs, *rest)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(run, "Pool", pool)
+    monkeypatch.setattr(run, "Workers", workers)
     (tmp_path / "photos").mkdir()
     write_noise(tmp_path / "photos" / "a.png")
     how = ("--estimator", "mean", "--formats", "spi1d", *options)

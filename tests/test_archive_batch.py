@@ -18,7 +18,7 @@ from command_line import CODE, CommandLine, names_in, write_noise
 from facecrf_ocio.archive.manifest.database import FILE, Manifest, Stamp
 from facecrf_ocio.archive.place import Place
 from facecrf_ocio.archive.task import Recipe, Result, Task
-from facecrf_ocio.archive.work.processes import Limits, Pool
+from facecrf_ocio.archive.work.processes import Limits, Workers
 
 COLUMNS = "name, size, sha256, recipe, state, outcome, verdict, estimator, reason, remedy, make"
 
@@ -163,10 +163,10 @@ def test_globs_and_lists_choose_photos(facecrf, archive, tmp_path):
     assert [name for (name,) in rows(tmp_path / "two", "name")] == ["a.jpg", "sub/copy.png"]
 
 
-def answers(pool: Pool, task: Task):
-    pool.submit(task)
-    while pool.busy:
-        yield from pool.results()
+def answers(workers: Workers, task: Task):
+    workers.submit(task)
+    while workers.busy:
+        yield from workers.results()
 
 
 @pytest.fixture
@@ -177,16 +177,16 @@ def task(archive, tmp_path):
 
 
 def test_a_photo_whose_process_crashes_is_tried_once_more(task):
-    with Pool(1, Limits()) as pool:
-        pool.submit(task)
-        pool._workers[0].process.kill()
-        ((_, result),) = pool.results()
+    with Workers(1, Limits()) as workers:
+        workers.submit(task)
+        workers._workers[0].process.kill()
+        ((_, result),) = workers.results()
         assert result.outcome == "fallback"
 
 
 def test_a_photo_that_crashes_twice_is_listed_and_the_next_one_is_done(task, monkeypatch):
-    with Pool(1, Limits()) as pool:
-        hire = pool._hire
+    with Workers(1, Limits()) as workers:
+        hire = workers._hire
 
         def hire_to_die():
             worker = hire()
@@ -194,26 +194,26 @@ def test_a_photo_that_crashes_twice_is_listed_and_the_next_one_is_done(task, mon
             return worker
 
         with monkeypatch.context() as crashing:
-            crashing.setattr(pool, "_hire", hire_to_die)
-            ((_, result),) = answers(pool, task)
+            crashing.setattr(workers, "_hire", hire_to_die)
+            ((_, result),) = answers(workers, task)
         assert "crashed the process that read it, twice (SIGKILL)" in result.reason
-        ((_, result),) = answers(pool, task)
+        ((_, result),) = answers(workers, task)
         assert result.outcome == "fallback"
 
 
 def test_a_photo_that_hangs_is_stopped_and_the_next_one_is_done(task):
-    with Pool(1, Limits(seconds=2)) as pool:
-        list(answers(pool, task))
-        os.kill(pool._workers[0].process.pid, signal.SIGSTOP)
-        ((_, result),) = answers(pool, task)
+    with Workers(1, Limits(seconds=2)) as workers:
+        list(answers(workers, task))
+        os.kill(workers._workers[0].process.pid, signal.SIGSTOP)
+        ((_, result),) = answers(workers, task)
         assert "took longer than 2 s" in result.reason
-        ((_, result),) = answers(pool, task)
+        ((_, result),) = answers(workers, task)
         assert result.outcome == "fallback"
 
 
 def test_a_photo_that_needs_too_much_memory_is_stopped(task):
-    with Pool(1, Limits(megabytes=1)) as pool:
-        ((_, result),) = answers(pool, task)
+    with Workers(1, Limits(megabytes=1)) as workers:
+        ((_, result),) = answers(workers, task)
         assert "more than 1 MB" in result.reason
 
 

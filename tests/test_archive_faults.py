@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from archive_photos import files, table
 from command_line import CommandLine, write_noise
-from pool_here import PoolHere, pool_here  # noqa: F401 - a fixture
+from workers_here import WorkersHere, workers_here  # noqa: F401 - a fixture
 
 from facecrf_ocio.archive import place
 from facecrf_ocio.archive.manifest.database import FILE
@@ -22,7 +22,7 @@ from facecrf_ocio.archive.work import one_photo
 from facecrf_ocio.errors import OutputError, PhotoError
 from facecrf_ocio.photo.read import read_photo
 
-pytestmark = pytest.mark.usefixtures("pool_here")
+pytestmark = pytest.mark.usefixtures("workers_here")
 OPTIONS = ("--estimator", "mean", "--formats", "spi1d")
 
 
@@ -349,7 +349,7 @@ def test_outputs_linked_away_later_are_neither_followed_nor_removed(batch, tmp_p
 
 def test_a_folder_swapped_while_the_run_goes_on_is_noticed(batch, source, tmp_path, monkeypatch):
     luts = tmp_path / "luts"
-    real, before = PoolHere.results, files(source)
+    real, before = WorkersHere.results, files(source)
 
     def swap(self):
         if luts.is_dir() and not luts.is_symlink():
@@ -357,7 +357,7 @@ def test_a_folder_swapped_while_the_run_goes_on_is_noticed(batch, source, tmp_pa
             luts.symlink_to(source)
         yield from real(self)
 
-    monkeypatch.setattr(PoolHere, "results", swap)
+    monkeypatch.setattr(WorkersHere, "results", swap)
     ended = batch()
     assert ended.code == 1
     assert "is no longer the folder it was" in ended.err

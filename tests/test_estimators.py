@@ -31,6 +31,7 @@ from facecrf_ocio.published.answer import FittedCurve
 from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import dorf_model
 from facecrf_ocio.values import Outcome, Verdict
+from facecrf_ocio.wording.explanations import explanation
 
 PAGE = (Path(__file__).parents[1] / "docs" / "how-it-works.md").read_text(encoding="utf-8")
 
@@ -88,13 +89,14 @@ def steady_answer(photo, model, settings):
 
 
 def test_one_row_adds_a_published_estimator(monkeypatch):
-    toy = Estimator("steady", "nothing", "unused", ("it is a toy",), band_scale=2.0)
+    toy = Estimator("steady", "nothing", "a toy", "unused", ("it is a toy",), band_scale=2.0)
     monkeypatch.setattr(Estimator, "load", lambda self: steady_answer)
     monkeypatch.setitem(ESTIMATORS, "steady", toy)
     found = calibrate(blank(), estimator="steady")
     assert found.outcome is Outcome.CALIBRATED
     assert found.confidence.reasons[-1] == "it is a toy"
     assert np.allclose(found.curve.linear[0, ::4095], [0.0, 1.0])
+    assert "steady               a toy" in explanation("estimators")
 
 
 # --- what calibrate takes for whom ---

@@ -23,6 +23,7 @@ from facecrf_ocio.values import (
     Confidence,
     Estimate,
     Face,
+    GainMap,
     InStops,
     InverseCRF,
     Outcome,
@@ -305,6 +306,16 @@ def test_pigments_keep_what_no_one_can_change():
     assert (densities.melanin == 1.0).all()
     for array in (densities.melanin, densities.directions, pairs.pairs, pairs.is_melanin):
         assert not array.flags.writeable
+
+
+def test_a_gain_map_keeps_what_no_one_can_change():
+    given = np.ones(3)
+    gain_map = GainMap(np.zeros((2, 2, 3)), 0 * given, given, given, given, given, "Ultra HDR")
+    given[:] = 7.0
+    for name in ("values", "low", "high", "gamma", "base_offset", "offset"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(gain_map, name)[0] = 2.0
+    assert gain_map.high.tolist() == [1.0, 1.0, 1.0]
 
 
 def test_an_estimate_goes_from_process_to_process():

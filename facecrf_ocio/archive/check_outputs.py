@@ -31,7 +31,7 @@ class Fault:
     photo: str = ""
 
 
-def verify(folder: Path) -> Iterator[Fault]:
+def faults_in(folder: Path) -> Iterator[Fault]:
     """Compare all files below a folder with its manifest.
 
     Raises

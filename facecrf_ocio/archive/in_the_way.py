@@ -6,8 +6,8 @@ import os
 from collections.abc import Callable
 
 from facecrf_ocio.archive.manifest.database import Manifest
-from facecrf_ocio.archive.task import FAILED, REPLACE, Result, Task
-from facecrf_ocio.errors import OutputError
+from facecrf_ocio.archive.task import FAILED, Result, Task
+from facecrf_ocio.errors import OVERWRITE, OutputError
 from facecrf_ocio.files.plain_text import plain_text
 
 Alike = Callable[[str, str], bool]
@@ -37,7 +37,7 @@ def in_the_way(manifest: Manifest, task: Task, alike: Alike) -> Result | None:
             path = task.place.inside(planned)
             if os.path.lexists(path) and not task.overwrite and not _ours(manifest, planned):
                 wrong = f"{path}: exists already"
-                return _failure(wrong, REPLACE)
+                return _failure(wrong, OVERWRITE)
     except OutputError as error:
         return Result(FAILED, reason=plain_text(str(error)), lasting=False)
     return None

@@ -37,7 +37,7 @@ def make_again(folder: Path, faults: Iterable[Fault]) -> list[str]:
         source = Path(manifest.about("source") or "")
         of_recipe: dict[str, list[str]] = {}
         for name in photos:
-            of_recipe.setdefault(manifest.recipe_of(name), []).append(name)
+            of_recipe.setdefault(manifest.recipe_sha256_of(name), []).append(name)
         recipes = {digest: _recipe(manifest, digest) for digest in of_recipe}
     for digest, names in of_recipe.items():
         recipe = recipes[digest]

@@ -18,14 +18,14 @@ from facecrf_ocio.archive.task import FAILED, GATHER, WHOLE, Result, Task
 from facecrf_ocio.archive.twins import from_twin
 from facecrf_ocio.archive.unchanged import Unchanged
 from facecrf_ocio.archive.walk import as_utf8, name_of
-from facecrf_ocio.archive.work.processes import Pool
+from facecrf_ocio.archive.work.processes import Workers
 from facecrf_ocio.archive.work.status import status_of
 from facecrf_ocio.errors import OutputError, PhotoError
 from facecrf_ocio.files.content import fingerprint_of
 from facecrf_ocio.files.folders import make_folder
 
 if TYPE_CHECKING:
-    from facecrf_ocio.archive.work.dask_cluster import ClusterPool
+    from facecrf_ocio.archive.work.dask_cluster import ClusterWorkers
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,22 +56,22 @@ def run(job: Job, photos: Iterable[Path], tell: Callable[[Event], None]) -> None
         try:
             _require_same_source(manifest, job.source)
             place.clear(manifest.started())
-            with _pool(job) as pool:
+            with _workers(job) as workers:
                 recipe = job.recipe.sha256(__version__), job.recipe.to_json()
-                manifest.note_run(*recipe, pool.processors())
-                _Run(job, place, manifest, pool, identity, tell).through(photos)
+                manifest.note_run(*recipe, workers.processors())
+                _Run(job, place, manifest, workers, identity, tell).through(photos)
             if job.cluster is not None:
                 place.clear_all()
         finally:
             manifest.close()
 
 
-def _pool(job: Job) -> Pool | ClusterPool:
+def _workers(job: Job) -> Workers | ClusterWorkers:
     if job.cluster is None:
-        return Pool(job.jobs, job.limits)
-    from facecrf_ocio.archive.work.dask_cluster import ClusterPool  # noqa: PLC0415 - heavy
+        return Workers(job.jobs, job.limits)
+    from facecrf_ocio.archive.work.dask_cluster import ClusterWorkers  # noqa: PLC0415 - heavy
 
-    return ClusterPool(job.cluster, job.limits, job.folder)
+    return ClusterWorkers(job.cluster, job.limits, job.folder)
 
 
 class _Run:
@@ -80,13 +80,13 @@ class _Run:
         job: Job,
         place: Place,
         manifest: Manifest,
-        pool: Pool | ClusterPool,
+        workers: Workers | ClusterWorkers,
         identity: tuple[int, int],
         tell: Callable[[Event], None],
     ) -> None:
         self.job, self.place, self.manifest = job, place, manifest
-        self.pool, self.identity, self.tell = pool, identity, tell
-        self.recipe = job.recipe.sha256(__version__)
+        self.workers, self.identity, self.tell = workers, identity, tell
+        self.recipe_sha256 = job.recipe.sha256(__version__)
         self.step = GATHER if job.recipe.pool else WHOLE
         self.unchanged = Unchanged(manifest, place)
         self.alike: Alike = place.alike()
@@ -108,12 +108,12 @@ class _Run:
             self._write_waiting()
 
     def _submit(self, task: Task) -> None:
-        self.pool.submit(task)
-        while self.pool.busy >= self.pool.capacity:
+        self.workers.submit(task)
+        while self.workers.busy >= self.workers.capacity:
             self._collect()
 
     def _collect_all(self) -> None:
-        while self.pool.busy:
+        while self.workers.busy:
             self._collect()
 
     def _to_do(self, photos: Iterable[Path]) -> Iterator[Task]:
@@ -137,7 +137,7 @@ class _Run:
             self._require_source()
             self._list_unseen(name, Result(FAILED, reason=error.problem, remedy=error.remedy))
             return None
-        stamp = Stamp(status.st_size, status.st_mtime_ns, self.recipe, status.st_ctime_ns)
+        stamp = Stamp(status.st_size, status.st_mtime_ns, self.recipe_sha256, status.st_ctime_ns)
         known = self.manifest.known(name)
         if known is None or not self.unchanged.is_photo(name, known, stamp, path):
             return self._begin(path, name, stamp)
@@ -158,7 +158,7 @@ class _Run:
     def _list_until_next(self, name: str, result: Result) -> None:
         """List a failure that the next run tries anew."""
         with self.manifest.transaction():
-            self.manifest.finish(name, Stamp(UNSEEN, 0, self.recipe), result)
+            self.manifest.finish(name, Stamp(UNSEEN, 0, self.recipe_sha256), result)
         self.tell(Event(name, result, fresh=True))
 
     def _begin(self, path: Path, name: str, stamp: Stamp) -> Task | None:
@@ -190,7 +190,7 @@ class _Run:
         return [name for name in task.planned if not os.path.lexists(task.place.inside(name))]
 
     def _from_twin(self, task: Task, fingerprint: str) -> Task | None:
-        twin = from_twin(self.manifest, task, fingerprint, self.recipe)
+        twin = from_twin(self.manifest, task, fingerprint, self.recipe_sha256)
         if twin is None:
             return task
         task, result = twin
@@ -213,9 +213,9 @@ class _Run:
             self.tell(Event(name, result, fresh=False, step=REOPENED))
 
         job = self.job
-        settle(self.manifest, self.recipe, job.recipe.prior, reopened)
+        settle(self.manifest, self.recipe_sha256, job.recipe.prior, reopened)
         like = Task(job.source, "", self.place, job.recipe, overwrite=job.overwrite)
-        for task, result in waiting(self.manifest, like, self.recipe):
+        for task, result in waiting(self.manifest, like, self.recipe_sha256):
             if result is not None:
                 self._record_written(task, result)
             else:
@@ -234,7 +234,7 @@ class _Run:
             self._require_source()
 
     def _collect(self) -> None:
-        for task, result in self.pool.results():
+        for task, result in self.workers.results():
             if result.stop:
                 raise OutputError(result.stop)
             if result.outcome == FAILED:
@@ -260,7 +260,7 @@ class _Run:
                 self.manifest.gather(task.name, pending.stamp, result, pending.fingerprint)
             self.tell(Event(task.name, result, fresh=True, step=GATHERED))
             return
-        stamp = pending.stamp if result.lasting else Stamp(UNSEEN, 0, self.recipe)
+        stamp = pending.stamp if result.lasting else Stamp(UNSEEN, 0, self.recipe_sha256)
         self._remove_former(task, result)
         with self.manifest.transaction():
             self.manifest.finish(task.name, stamp, result, pending.fingerprint)

@@ -191,4 +191,3 @@ class Result:
 
 
 FAILED = "failed"
-REPLACE = "pass --overwrite to replace it"  # what a batch says of a file in the way

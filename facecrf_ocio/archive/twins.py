@@ -14,7 +14,7 @@ from facecrf_ocio.values import Estimate
 
 
 def from_twin(
-    manifest: Manifest, task: Task, fingerprint: str, recipe: str
+    manifest: Manifest, task: Task, fingerprint: str, recipe_sha256: str
 ) -> tuple[Task, Result | None] | None:
     """What is left to do for a photo of which another with the same bytes is known.
 
@@ -25,7 +25,7 @@ def from_twin(
         there is no such photo, or if what became of it is of no use.
     """
     own = ""
-    for twin in twins_of(manifest, task.name, fingerprint, recipe) if fingerprint else ():
+    for twin in twins_of(manifest, task.name, fingerprint, recipe_sha256) if fingerprint else ():
         told = twin.result
         if told.outcome == FAILED and not twin.key:
             continue

@@ -8,6 +8,7 @@ import numpy as np
 
 from facecrf_ocio.benchmark.truth import KnownFace, onto, unit
 from facecrf_ocio.face.detect import find_faces
+from facecrf_ocio.face.no_face import lacking_faces
 from facecrf_ocio.face.view import FaceView, cut_face
 from facecrf_ocio.published.energy.empirical import Empirical
 from facecrf_ocio.published.energy.monotonicity import Monotonicity
@@ -103,7 +104,7 @@ def ablate(
     """
     found = find_faces(photo.encoded, settings)
     if not found.faces:
-        return "no face found"
+        return lacking_faces(found, settings).reason
     view = cut_face(photo, found.faces[0], settings)
     analyzed = _analyze(ablation, known, view, settings)
     if analyzed is None:

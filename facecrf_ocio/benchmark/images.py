@@ -9,10 +9,10 @@ from pathlib import Path
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.photo.picture import open_image
 from facecrf_ocio.photo.read import read_photo
-from facecrf_ocio.photo.suffixes import RAW_SUFFIXES
+from facecrf_ocio.photo.suffixes import RAW_SUFFIXES, suffixes_named
 from facecrf_ocio.values import Photo
 
-_SUFFIXES = frozenset({".exr", ".hdr", ".png", ".tif", ".tiff"}) | RAW_SUFFIXES
+_SUFFIXES = suffixes_named("OpenEXR", "Radiance HDR", "PNG", "TIFF") | RAW_SUFFIXES
 _MIN_BITS = 10  # of linear light, whose darkest stops have a code or two each in 8
 
 

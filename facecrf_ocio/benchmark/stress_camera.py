@@ -13,10 +13,11 @@ import numpy.typing as npt
 
 from facecrf_ocio.benchmark.conditions import SAMPLINGS, Conditions
 from facecrf_ocio.benchmark.virtual_camera import FULL_WELL_ISO_100, READ_NOISE
+from facecrf_ocio.image.exposure import LUMINANCE
 from facecrf_ocio.values import Float
 
 Image = npt.NDArray[np.float32]
-_LUMA = np.array([0.2126, 0.7152, 0.0722], np.float32)  # of Rec.709
+_LUMA = LUMINANCE.astype(np.float32)
 _LEAST_MEGAPIXELS = 0.3  # below it faces of whole portraits are too small to be found
 _LEVELS = 65536  # of linear light, as a 16-bit raw converter has them
 _GUIDE_RADIUS, _CHROMA_DEVIATION = 2, 2.0  # [pixel] of the noise reduction

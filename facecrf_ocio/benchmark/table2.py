@@ -21,12 +21,12 @@ from facecrf_ocio.errors import FaceCRFError, PhotoError, reason_of
 from facecrf_ocio.files.versions import versions
 from facecrf_ocio.pair.calibrate_pair import calibrate_pair
 from facecrf_ocio.photo.read import read_photo
-from facecrf_ocio.photo.suffixes import RAW_SUFFIXES
+from facecrf_ocio.photo.suffixes import RAW_SUFFIXES, suffixes_named
 from facecrf_ocio.settings import Settings
 
 PAIRS = "pairs"
-_LINEAR = RAW_SUFFIXES | {".exr", ".hdr"}
-_ENCODED = frozenset({".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp"})
+_LINEAR = RAW_SUFFIXES | suffixes_named("OpenEXR", "Radiance HDR")
+_ENCODED = suffixes_named("JPEG", "PNG", "TIFF", "WebP")
 _GRID = 1024  # encoded values at which curves are compared, as many as a stored response has
 
 Progress = Callable[[int, int], None]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import os
-import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -23,6 +22,7 @@ from facecrf_ocio.errors import (
     PhotoError,
     SettingsError,
 )
+from facecrf_ocio.files.plain_text import one_line as one_line  # noqa: PLC0414 - for commands
 from facecrf_ocio.files.plain_text import plain_text
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def problem_of(error: Exception) -> str:
     With FACECRF_DEBUG in the environment that one is raised again, for whoever looks for its place.
     """
     if isinstance(error, ExistsError):
-        return f"{error.target}: {error.problem}; pass --overwrite to replace it"
+        return error.on_command_line()
     if isinstance(error, FaceCRFError):
         return str(error)
     if isinstance(error, MemoryError):
@@ -88,11 +88,6 @@ def complain(message: str, code: int) -> int:
     """Print one line on stderr and return the code."""
     click.echo(f"facecrf: {one_line(message)}", err=True)
     return code
-
-
-def one_line(text: str) -> str:
-    r"""Escape line ends and what else steers a terminal, which file names may hold, as `\x0a`."""
-    return re.sub(r"[\x00-\x1f\x7f-\x9f]", lambda found: f"\\x{ord(found[0]):02x}", text)
 
 
 def speak_any_name() -> None:

@@ -26,7 +26,7 @@ def verify(folder: Path, as_json: bool, repair: bool) -> int:
     Every file is read and its hash compared. Nothing is changed without --repair, which makes
     outputs again from the photos as the batch did, and takes nothing away that is extra.
     """
-    from facecrf_ocio.archive.check_outputs import verify as faults_in
+    from facecrf_ocio.archive.check_outputs import faults_in
 
     faults = []
     for fault in faults_in(folder):

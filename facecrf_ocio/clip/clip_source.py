@@ -9,10 +9,11 @@ from pathlib import Path
 from facecrf_ocio.clip.frame_list import Clip
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.photo.read import read_photo
+from facecrf_ocio.photo.suffixes import suffixes_named
 from facecrf_ocio.values import Photo
 
 DEFAULT_RATE = 24.0  # [1/s] of a sequence, which does not tell
-_IMAGES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".dpx", ".webp", ".bmp", ".exr")
+_IMAGES = suffixes_named("JPEG", "PNG", "TIFF", "DPX", "WebP", "BMP", "OpenEXR")
 _VIDEOS = (".mp4", ".mov", ".m4v", ".mkv", ".avi", ".mxf", ".webm", ".mts", ".m2ts", ".mpg", ".ts")
 _PATTERN = re.compile(r"%0?(\d*)d|#+")
 _NUMBER = re.compile(r"(\d+)(?=\D*$)")

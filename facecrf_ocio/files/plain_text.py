@@ -21,6 +21,7 @@ _UNSEEN = (
     "\u2028\u2029\u200e\u200f\u202a-\u202e\u2066-\u2069\ufeff\ufffe\uffff"
 )
 _BREAKS = re.compile("\r\n?|[\u2028\u2029\x85]")
+_STEERS = re.compile("[\x00-\x1f\x7f-\x9f]")
 _LINE = re.compile(f"[{_UNSEEN}\t\n]+")
 _LINES = re.compile(f"[{_UNSEEN}]+")
 
@@ -47,6 +48,11 @@ def plain_text(said: object, *, limit: int = LONGEST, lines: bool = False) -> st
     unseen = _LINES if lines else _LINE
     text = unseen.sub(" ", _BREAKS.sub("\n", _decoded(said))).strip()
     return text if len(text) <= limit else text[: limit - len(_CUT)].rstrip() + _CUT
+
+
+def one_line(text: str) -> str:
+    r"""Escape line ends and what else steers a terminal, which file names may hold, as `\x0a`."""
+    return _STEERS.sub(lambda found: f"\\x{ord(found[0]):02x}", text)
 
 
 def complaint(ask: Callable[[], object]) -> str:

@@ -9,7 +9,7 @@ from facecrf_ocio.values import InverseCRF, Photo
 
 GRAY = "gray"
 _MIDDLE_GRAY = 0.18  # reflectance that meters take a scene to have on average (ISO 2720)
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # Rec.709; other primaries differ by < 0.1 stops
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # Rec.709; other primaries differ by < 0.1 stops
 _DARKEST = 2.0**-12  # of white: below it noise decides, and zero has no logarithm
 _MOST_STOPS = 16.0  # half floats hold white up to there
 _STEP = 4  # every so many pixels are enough for a mean
@@ -47,5 +47,5 @@ def exposure_stops(exposure: str, photo: Photo, curve: InverseCRF) -> float:
 def _mean_luminance(photo: Photo, curve: InverseCRF) -> float:
     pixels = photo.encoded[::_STEP, ::_STEP]
     linear = pixels if photo.scene_linear else curve.linearize(pixels)
-    luminance = np.maximum(linear @ _LUMINANCE, _DARKEST)
+    luminance = np.maximum(linear @ LUMINANCE, _DARKEST)
     return float(np.exp(np.log(luminance).mean()))

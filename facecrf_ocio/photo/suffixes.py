@@ -121,6 +121,11 @@ def kind_named(path: PurePath) -> Kind | None:
     return _OF_SUFFIX.get(path.suffix.lower())
 
 
+def suffixes_named(*names: str) -> frozenset[str]:
+    """Suffixes of the kinds of these names."""
+    return frozenset(suffix for suffix, kind in _OF_SUFFIX.items() if kind.name in names)
+
+
 def suffixes_of(reader: str) -> Iterator[str]:
     """Suffixes of the kinds that one reader reads."""
     return (suffix for suffix, kind in _OF_SUFFIX.items() if kind.reader == reader)

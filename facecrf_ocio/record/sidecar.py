@@ -12,6 +12,7 @@ import numpy as np
 from facecrf_ocio.errors import FaceCRFError, LutError, reason_of
 from facecrf_ocio.files import strict_json
 from facecrf_ocio.files.atomic import Draft, write_files
+from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.files.versions import versions
 from facecrf_ocio.record.estimate_record import estimate_record, read_estimate
 from facecrf_ocio.record.sampled import read_rows, thinned
@@ -183,7 +184,7 @@ def _read(path: Path, parse: Callable[[Any], _T]) -> _T:
     except (FaceCRFError, *_DAMAGE) as error:
         raise LutError(
             f"{path}: is not a sidecar of facecrf, or was changed "
-            f"({type(error).__name__}: {' '.join(str(error).split())[:200]}); "
+            f"({type(error).__name__}: {plain_text(error, limit=200)}); "
             "calibrate the photo again"
         ) from error
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 
-from facecrf_ocio.estimators import ESTIMATOR_NAMES
+from facecrf_ocio.estimators import ESTIMATORS
 
 VERDICTS = """\
 A verdict says how far a curve may be trusted.
@@ -45,25 +45,10 @@ The curve and its LUT files stay as they are. The EXR records the factor
 (facecrf:exposure), so that it can be taken out again.
 """
 
-_ESTIMATORS = {
-    "auto": "recommended: `joint`, but a photo without a face is refused",
-    "joint": "every cue of the photo, weighed against a prior of film and digital responses",
-    "face": "the paper's method: skin's pigments, shading removed with the face's geometry",
-    "face-unshaded": "the paper's variant that takes shading for constant between neighbors",
-    "edge": "colors that blend across an edge lie on a line in linear light; needs no face",
-    "geometry-invariant": "second derivatives where light is a plane; needs smooth ramps",
-    "intensity-similarity": "noise of uniform regions is symmetric in linear light",
-    "rank": "blends of two colors have low rank in linear light; needs no face",
-    "mean": "what cameras do on average, without looking at the photo",
-    "srgb": "the standard's curve, without looking at the photo",
-    "gamma22": "a power of 2.2, without looking at the photo",
-    "identity": "the code values as they are",
-}
-
 
 def estimators() -> str:
     """Every estimator in one line."""
-    lines = [_hanging(name, _ESTIMATORS.get(name, "")) for name in ESTIMATOR_NAMES]
+    lines = [_hanging(row.name, row.explained) for row in ESTIMATORS.values()]
     return "\n".join(["An estimator turns a photo into a curve.", "", *lines, ""])
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import corpus
 
-from facecrf_ocio.archive.check_outputs import verify
+from facecrf_ocio.archive.check_outputs import faults_in
 from facecrf_ocio.archive.manifest.database import FILE, Manifest
 from facecrf_ocio.archive.manifest.twin_rows import mark_duplicates, twins_of
 from facecrf_ocio.archive.report.contents import read_archive
@@ -53,7 +53,7 @@ def _manifest(path: Path) -> None:
     for leftover in path.parent.glob(f"{FILE}-*"):
         leftover.unlink()
     read_archive(path.parent)
-    list(verify(path.parent))
+    list(faults_in(path.parent))
     manifest = Manifest(path.parent)
     try:
         for name in list(manifest.started()):

@@ -51,10 +51,10 @@ class CameraCurve:
     sha256: str
 
 
-def conclude_camera(manifest: Manifest, key: str, recipe: str, prior: str) -> CameraCurve:
+def conclude_camera(manifest: Manifest, key: str, recipe_sha256: str, prior: str) -> CameraCurve:
     """One curve from the evidence of a camera's photos, each content counted once."""
     chosen = []
-    for name in different_photos(manifest, key, recipe):
+    for name in different_photos(manifest, key, recipe_sha256):
         evidence = evidence_of(manifest, name)
         if evidence.messages:
             chosen.append((name, evidence))
@@ -75,10 +75,10 @@ def evidence_of(manifest: Manifest, name: str) -> PhotoEvidence:
 
 
 def exposures(
-    manifest: Manifest, camera: str, recipe: str, bracket: str | None = None
+    manifest: Manifest, camera: str, recipe_sha256: str, bracket: str | None = None
 ) -> Iterator[Exposure]:
     """A camera's photos, or a bracket's, that tell time and exposure; each content once."""
-    for name, sha256, shot in exposed_photos(manifest, camera, recipe, bracket):
+    for name, sha256, shot in exposed_photos(manifest, camera, recipe_sha256, bracket):
         yield Exposure(name, sha256, shot, manifest.gathered(name).samples)
 
 

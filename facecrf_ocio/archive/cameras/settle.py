@@ -47,14 +47,14 @@ from facecrf_ocio.together import MISFIT_LIMIT
 Reopened = Callable[[str, Result], None]
 
 
-def settle(manifest: Manifest, recipe: str, prior: str, reopened: Reopened) -> None:
+def settle(manifest: Manifest, recipe_sha256: str, prior: str, reopened: Reopened) -> None:
     """Conclude the curve of every camera whose photos changed.
 
     Parameters
     ----------
     manifest
         Its photos of this recipe have all been looked at.
-    recipe
+    recipe_sha256
         Hash of it.
     prior
         As for `calibrate`.
@@ -62,28 +62,28 @@ def settle(manifest: Manifest, recipe: str, prior: str, reopened: Reopened) -> N
         Called with the name and the former result of a photo that was done and must be written
         again.
     """
-    for key in camera_keys(manifest, recipe):
+    for key in camera_keys(manifest, recipe_sha256):
         with understanding(manifest.path):
-            _settle_camera(manifest, key, recipe, prior, reopened)
+            _settle_camera(manifest, key, recipe_sha256, prior, reopened)
     forget_empty_cameras(manifest)
 
 
 def _settle_camera(
-    manifest: Manifest, key: str, recipe: str, prior: str, reopened: Reopened
+    manifest: Manifest, key: str, recipe_sha256: str, prior: str, reopened: Reopened
 ) -> None:
-    basis, count, alone = _basis(manifest, key, recipe)
+    basis, count, alone = _basis(manifest, key, recipe_sha256)
     former, digest = former_curve(manifest, key)
-    if former != basis or has_unassigned(manifest, key, recipe):
-        curve = conclude_camera(manifest, key, recipe, prior)
+    if former != basis or has_unassigned(manifest, key, recipe_sha256):
+        curve = conclude_camera(manifest, key, recipe_sha256, prior)
         with manifest.transaction():
-            camera = _Camera(manifest, key, recipe, curve, alone, digest, reopened)
+            camera = _Camera(manifest, key, recipe_sha256, curve, alone, digest, reopened)
             camera.record(basis, count)
 
 
-def _basis(manifest: Manifest, key: str, recipe: str) -> tuple[str, int, bool]:
+def _basis(manifest: Manifest, key: str, recipe_sha256: str) -> tuple[str, int, bool]:
     """Hash of the photos of a camera, their number, and whether all have the same bytes."""
-    digest, count, first, alone = hashlib.sha256(recipe.encode()), 0, "", True
-    for name, sha256 in contents(manifest, key, recipe):
+    digest, count, first, alone = hashlib.sha256(recipe_sha256.encode()), 0, "", True
+    for name, sha256 in contents(manifest, key, recipe_sha256):
         digest.update(f"{key_of(name)}\0{sha256}\0".encode())
         first = first or sha256
         alone = alone and sha256 == first
@@ -98,13 +98,18 @@ class _Camera:
         self,
         manifest: Manifest,
         key: str,
-        recipe: str,
+        recipe_sha256: str,
         curve: CameraCurve,
         alone: bool,
         former: str,
         reopened: Reopened,
     ) -> None:
-        self.manifest, self.key, self.recipe, self.curve = manifest, key, recipe, curve
+        self.manifest, self.key, self.recipe_sha256, self.curve = (
+            manifest,
+            key,
+            recipe_sha256,
+            curve,
+        )
         self.alone = alone
         self.same = former == curve.sha256
         self.reopened = reopened
@@ -113,7 +118,7 @@ class _Camera:
 
     def record(self, basis: str, count: int) -> None:
         self._record_brackets()
-        for member in members(self.manifest, self.key, self.recipe):
+        for member in members(self.manifest, self.key, self.recipe_sha256):
             self._record_member(member)
         estimate = self.curve.estimate
         told = None if estimate is None else estimate.confidence
@@ -124,7 +129,7 @@ class _Camera:
             self.manifest,
             CameraRow(
                 key=self.key,
-                recipe=self.recipe,
+                recipe_sha256=self.recipe_sha256,
                 members=count,
                 telling=self.telling,
                 used=self.curve.used,
@@ -139,7 +144,7 @@ class _Camera:
 
     def _record_brackets(self) -> None:
         forget_brackets(self.manifest, self.key)
-        for found in find_brackets(exposures(self.manifest, self.key, self.recipe)):
+        for found in find_brackets(exposures(self.manifest, self.key, self.recipe_sha256)):
             row = self._bracket_row(found)
             record_bracket(self.manifest, row)
             self.of_bracket.update({one.sha256: (row.name, row.curve_sha256) for one in found})

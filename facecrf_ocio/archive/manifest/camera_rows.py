@@ -35,7 +35,7 @@ class CameraRow:
     """What is recorded of a camera; see `schema.py` for the fields."""
 
     key: str
-    recipe: str
+    recipe_sha256: str
     members: int
     telling: int
     used: int
@@ -66,10 +66,10 @@ class BracketRow:
     curve_sha256: str
 
 
-def camera_keys(manifest: Manifest, recipe: str) -> list[str]:
+def camera_keys(manifest: Manifest, recipe_sha256: str) -> list[str]:
     """Cameras that photos of a recipe are of, in their order."""
     query = "SELECT DISTINCT camera FROM photos WHERE camera != '' AND recipe = ? ORDER BY 1"
-    return [key for (key,) in manifest.rows(query, recipe)]
+    return [key for (key,) in manifest.rows(query, recipe_sha256)]
 
 
 def former_curve(manifest: Manifest, key: str) -> tuple[str, str]:
@@ -78,59 +78,61 @@ def former_curve(manifest: Manifest, key: str) -> tuple[str, str]:
     return next(((basis, digest) for basis, digest in manifest.rows(query, key)), ("", ""))
 
 
-def contents(manifest: Manifest, key: str, recipe: str) -> Iterator[tuple[str, str]]:
+def contents(manifest: Manifest, key: str, recipe_sha256: str) -> Iterator[tuple[str, str]]:
     """Names and hashes of a camera's photos, in the order of names."""
     rows = manifest.rows(
         "SELECT name, sha256 FROM photos WHERE camera = ? AND recipe = ? AND state != ? "
         "ORDER BY name",
-        *(key, recipe, STARTED),
+        *(key, recipe_sha256, STARTED),
     )
     return ((name_of_key(name), sha256) for name, sha256 in rows)
 
 
-def different_photos(manifest: Manifest, key: str, recipe: str) -> Iterator[str]:
+def different_photos(manifest: Manifest, key: str, recipe_sha256: str) -> Iterator[str]:
     """A camera's photos, each content once."""
     rows = manifest.rows(
         "SELECT MIN(name) FROM photos WHERE camera = ? AND recipe = ? AND state != ? "
         "GROUP BY sha256 ORDER BY sha256",
-        *(key, recipe, STARTED),
+        *(key, recipe_sha256, STARTED),
     )
     return (name_of_key(name) for (name,) in rows)
 
 
 def exposed_photos(
-    manifest: Manifest, key: str, recipe: str, bracket: str | None = None
+    manifest: Manifest, key: str, recipe_sha256: str, bracket: str | None = None
 ) -> Iterator[tuple[str, str, Shot]]:
     """A camera's photos, or a bracket's, that tell time and exposure; each content once."""
     rows = manifest.rows(
         "SELECT MIN(name), sha256, taken, exposure_s, aperture, iso FROM photos "
         "WHERE camera = ? AND recipe = ? AND state != ? AND taken > 0 AND exposure_s > 0 "
         "AND bracket = IFNULL(?, bracket) GROUP BY sha256 ORDER BY taken, MIN(name)",
-        *(key, recipe, STARTED, None if bracket is None else key_of(bracket)),
+        *(key, recipe_sha256, STARTED, None if bracket is None else key_of(bracket)),
     )
     return ((name_of_key(name), sha256, Shot("", *told)) for name, sha256, *told in rows)
 
 
-def has_unassigned(manifest: Manifest, key: str, recipe: str) -> bool:
+def has_unassigned(manifest: Manifest, key: str, recipe_sha256: str) -> bool:
     """Whether a photo of a camera has no curve assigned, gathered again perhaps."""
     found = manifest.rows(
         "SELECT 1 FROM photos WHERE camera = ? AND recipe = ? AND state = ? AND curve = '' LIMIT 1",
-        *(key, recipe, GATHERED),
+        *(key, recipe_sha256, GATHERED),
     )
     return next(found, None) is not None
 
 
-def members(manifest: Manifest, key: str, recipe: str) -> Iterator[Member]:
+def members(manifest: Manifest, key: str, recipe_sha256: str) -> Iterator[Member]:
     """All photos of a camera, which may be changed meanwhile."""
-    return _paged(manifest, key, recipe, "state != ?", STARTED)
+    return _paged(manifest, key, recipe_sha256, "state != ?", STARTED)
 
 
-def waiting_members(manifest: Manifest, key: str, recipe: str) -> Iterator[Member]:
+def waiting_members(manifest: Manifest, key: str, recipe_sha256: str) -> Iterator[Member]:
     """The photos of a camera whose outputs are still to be written; they may be changed."""
-    return _paged(manifest, key, recipe, "state IN (?, ?)", GATHERED, WRITING)
+    return _paged(manifest, key, recipe_sha256, "state IN (?, ?)", GATHERED, WRITING)
 
 
-def _paged(manifest: Manifest, key: str, recipe: str, which: str, *states: str) -> Iterator[Member]:
+def _paged(
+    manifest: Manifest, key: str, recipe_sha256: str, which: str, *states: str
+) -> Iterator[Member]:
     last = ""
     while True:
         page = list(
@@ -138,7 +140,7 @@ def _paged(manifest: Manifest, key: str, recipe: str, which: str, *states: str) 
                 "SELECT name, sha256, state, curve, curve_sha256, bracket, misfit, outcome, "  # noqa: S608
                 f"verdict FROM photos WHERE camera = ? AND recipe = ? AND {which} AND name > ? "
                 "ORDER BY name LIMIT ?",
-                *(key, recipe, *states, last, _PAGE),
+                *(key, recipe_sha256, *states, last, _PAGE),
             )
         )
         for name, sha256, state, curve, digest, bracket, *rest in page:
@@ -166,7 +168,7 @@ def record_camera(manifest: Manifest, row: CameraRow) -> None:
         make, model, serial, software, style = json.loads(row.key)
     manifest.change(
         f"INSERT OR REPLACE INTO cameras VALUES ({', '.join('?' * 16)})",  # noqa: S608
-        *(row.key, make, model, serial, software, style, row.recipe, row.members),
+        *(row.key, make, model, serial, software, style, row.recipe_sha256, row.members),
         *(row.telling, row.used, row.misfits, row.basis, row.verdict, row.reason),
         *(row.curve, row.curve_sha256),
     )

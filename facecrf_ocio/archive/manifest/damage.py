@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from facecrf_ocio.errors import OutputError
+from facecrf_ocio.files.plain_text import plain_text
 
 _FULL = "free some space, or choose another folder"
 _LOCKED = "close the program that has it open, and start again"
@@ -52,6 +53,6 @@ def understanding(path: Path) -> Iterator[None]:
         TypeError,
         ValueError,
     ) as e:
-        told = " ".join(str(e).split())[:200]
+        told = plain_text(e, limit=200)
         problem = f"{path}: the manifest holds what no facecrf wrote ({told}); {_DAMAGED}"
         raise OutputError(problem) from e

@@ -45,7 +45,7 @@ class Stamp:
 
     size: int
     mtime_ns: int
-    recipe: str
+    recipe_sha256: str
     ctime_ns: int = 0
 
 
@@ -157,7 +157,7 @@ class Manifest:
         self.change(
             "INSERT INTO photos (name, size, mtime_ns, ctime_ns, recipe, state) "
             "VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT (name) DO UPDATE SET state = excluded.state",
-            *(key, stamp.size, stamp.mtime_ns, stamp.ctime_ns, stamp.recipe, STARTED),
+            *(key, stamp.size, stamp.mtime_ns, stamp.ctime_ns, stamp.recipe_sha256, STARTED),
         )
         self._claim(key, claimed)
 
@@ -223,7 +223,15 @@ class Manifest:
         self.change(
             f"INSERT OR REPLACE INTO photos ({_COLUMNS}) "  # noqa: S608
             f"VALUES ({', '.join('?' * 21)})",
-            *(key, stamp.size, stamp.mtime_ns, stamp.ctime_ns, result.sha256, stamp.recipe, state),
+            *(
+                key,
+                stamp.size,
+                stamp.mtime_ns,
+                stamp.ctime_ns,
+                result.sha256,
+                stamp.recipe_sha256,
+                state,
+            ),
             *(result.outcome, result.verdict, result.estimator, plain_text(result.reason)),
             *(plain_text(result.remedy), *map(plain_text, result.camera)),
             *(result.timing.read, result.timing.estimate, result.timing.write),

@@ -84,7 +84,7 @@ class Reader:
         query = "SELECT photo, COUNT(*) FROM outputs WHERE size != ? GROUP BY photo"
         return {str(key): int(count) for key, count in self._base.execute(query, (CLAIMED,))}
 
-    def recipe_of(self, photo: str) -> str:
+    def recipe_sha256_of(self, photo: str) -> str:
         """Hash of how a photo was treated, empty if it is not known."""
         query = "SELECT recipe FROM photos WHERE name = ?"
         row = self._base.execute(query, (key_of(photo),)).fetchone()

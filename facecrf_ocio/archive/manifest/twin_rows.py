@@ -24,13 +24,13 @@ class Twin:
     key: str
 
 
-def twins_of(manifest: Manifest, name: str, fingerprint: str, recipe: str) -> list[Twin]:
+def twins_of(manifest: Manifest, name: str, fingerprint: str, recipe_sha256: str) -> list[Twin]:
     """Return the photos that probably have a photo's bytes and were treated as it is to be."""
     rows = manifest.rows(
         "SELECT name, state, outcome, verdict, estimator, reason, remedy, sha256, make, model, "
         "serial, software, camera, taken, exposure_s, aperture, iso FROM photos "
         "WHERE fingerprint = ? AND recipe = ? AND state != ? AND name != ? ORDER BY name",
-        *(fingerprint, recipe, STARTED, key_of(name)),
+        *(fingerprint, recipe_sha256, STARTED, key_of(name)),
     )
     return [_twin(manifest.path, row) for row in rows]
 

@@ -6,6 +6,7 @@ import base64
 import hashlib
 import json
 from collections.abc import Iterable, Mapping
+from datetime import datetime
 from html import escape
 from importlib.resources import files
 from itertools import islice
@@ -53,6 +54,11 @@ class _Words:
     @property
     def texts(self) -> tuple[str, ...]:
         return tuple(self._places)
+
+
+def this_minute() -> str:
+    """When a page is made: the local time, as pages tell it."""
+    return datetime.now().astimezone().isoformat(sep=" ", timespec="minutes")
 
 
 def render(

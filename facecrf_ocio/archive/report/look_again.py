@@ -15,6 +15,7 @@ from facecrf_ocio.archive.report.pictures import SIDE, Pictures, told, with_imag
 from facecrf_ocio.errors import FaceCRFError
 from facecrf_ocio.photo.pixels import Pixels
 from facecrf_ocio.photo.read import read_photo
+from facecrf_ocio.photo.suffixes import suffixes_named
 from facecrf_ocio.record.sidecar import SUFFIX, Sidecar, read_sidecar
 from facecrf_ocio.values import Outcome
 
@@ -24,7 +25,7 @@ UNREADABLE = "The photo cannot be read any more."
 NO_RECORD = "The record of its calibration is missing or damaged."
 NOT_OPENED = "Not opened again, since it could not be read before."
 
-_JPEG = (".jpg", ".jpeg", ".jpe")
+_JPEG = suffixes_named("JPEG")
 
 
 def pictures_of(archive: Archive, row: Row, large: int = 0) -> Pictures:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from datetime import datetime
 from pathlib import Path
 
 from facecrf_ocio.archive.report.contents import KINDS, Archive, Row
-from facecrf_ocio.archive.report.html import PHOTO_PAGE, render
+from facecrf_ocio.archive.report.html import PHOTO_PAGE, render, this_minute
 from facecrf_ocio.archive.report.links import relative_url, require_page
 from facecrf_ocio.archive.report.pictures import is_linear, told, with_images
 from facecrf_ocio.files.atomic import Draft, write_files
@@ -53,7 +52,7 @@ def write_photo_page(
     content = render(
         Archive(folder, None, (row,), (), ()),
         {row.name: shown},
-        generated=datetime.now().astimezone().isoformat(sep=" ", timespec="minutes"),
+        generated=this_minute(),
         source_is_there=True,
         links=(_address(path, photo), relative_url(path, folder)),
         title=PHOTO_PAGE,

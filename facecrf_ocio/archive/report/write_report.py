@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from datetime import datetime
 from pathlib import Path
 
 from facecrf_ocio.archive.check_outputs import REPORT
 from facecrf_ocio.archive.report.contents import Archive, Row, read_archive
-from facecrf_ocio.archive.report.html import ARCHIVE_PAGE, render
+from facecrf_ocio.archive.report.html import ARCHIVE_PAGE, render, this_minute
 from facecrf_ocio.archive.report.links import relative_url, require_page
 from facecrf_ocio.archive.report.look_again import pictures_of
 from facecrf_ocio.archive.report.pictures import Pictures
@@ -77,7 +76,7 @@ def write_report(
     archive = read_archive(folder)
     there = archive.source is not None and archive.source.is_dir()
     pictures = _pictures(archive, limit, jobs, watch)
-    now = datetime.now().astimezone().isoformat(sep=" ", timespec="minutes")
+    now = this_minute()
     photos = relative_url(path, archive.source) if there and archive.source is not None else ""
     links = (photos, relative_url(path, folder))
     content = render(archive, pictures, generated=now, source_is_there=there, links=links)

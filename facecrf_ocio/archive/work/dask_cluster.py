@@ -1,4 +1,4 @@
-"""Photos worked on by an existing Dask cluster; to `run.py` a pool like the one of this machine.
+"""Photos worked on by an existing Dask cluster; to `run.py` workers like those of this machine.
 
 The cluster gets a bounded number of photos at a time. A worker that is lost costs nothing: Dask
 gives its photos to others, and as outputs appear whole or not at all and are the same bytes
@@ -27,7 +27,7 @@ from facecrf_ocio.archive.work.cluster import (
 )
 from facecrf_ocio.archive.work.delivered import accepted, odd_answer
 from facecrf_ocio.archive.work.parcel import Delivery, Parcel, unpack
-from facecrf_ocio.archive.work.processes import Limits, Pool
+from facecrf_ocio.archive.work.processes import Limits, Workers
 from facecrf_ocio.errors import ClusterError, OutputError, SettingsError, reason_of
 from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.files.versions import versions
@@ -43,8 +43,8 @@ _MARK = ".facecrf-mark-"
 _GO_ON = "what is done stays done; start again to go on"
 
 
-class ClusterPool:
-    """What `Pool` is, on a cluster; use it as a context manager.
+class ClusterWorkers:
+    """What `Workers` are, on a cluster; use it as a context manager.
 
     Raises
     ------
@@ -74,7 +74,7 @@ class ClusterPool:
         self._number = 0
         self._threads, self._counted = 1, float("-inf")
 
-    def __enter__(self) -> ClusterPool:
+    def __enter__(self) -> ClusterWorkers:
         try:
             self._client = connect(self.cluster, self._open)
             self._processors = require_equal_workers(self._client, self._versions)
@@ -195,12 +195,12 @@ class ClusterPool:
 
     def _here(self, task: Task) -> Result:
         """Work on what cannot be shipped, or not even read."""
-        with Pool(1, self.limits) as pool:
-            pool.submit(task)
-            while pool.busy:
-                for _, result in pool.results():
+        with Workers(1, self.limits) as workers:
+            workers.submit(task)
+            while workers.busy:
+                for _, result in workers.results():
                     return result
-        raise AssertionError("a pool answers every photo")
+        raise AssertionError("workers answer every photo")
 
     def _set_mark(self) -> None:
         folder = self._mark.parent

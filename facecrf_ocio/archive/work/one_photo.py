@@ -17,7 +17,6 @@ from facecrf_ocio.archive.cameras.told import face_json, told_before
 from facecrf_ocio.archive.task import (
     FAILED,
     GATHER,
-    REPLACE,
     Gathered,
     Output,
     Result,
@@ -25,7 +24,14 @@ from facecrf_ocio.archive.task import (
     Timing,
 )
 from facecrf_ocio.calibrate import SAME_CURVE, assumptions_of, calibrate
-from facecrf_ocio.errors import ExistsError, FaceCRFError, OutputError, PhotoError, reason_of
+from facecrf_ocio.errors import (
+    OVERWRITE,
+    ExistsError,
+    FaceCRFError,
+    OutputError,
+    PhotoError,
+    reason_of,
+)
 from facecrf_ocio.files.folders import make_folder
 from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.image.linearize import write_linear
@@ -192,7 +198,7 @@ def failure_of(error: Exception) -> Result:
         return Result(FAILED, reason=reason, remedy="please report this")
     if isinstance(error, ExistsError):
         reason = f"{error.target}: {error.problem}"
-        return Result(FAILED, reason=plain_text(reason), remedy=REPLACE, lasting=lasting)
+        return Result(FAILED, reason=plain_text(reason), remedy=OVERWRITE, lasting=lasting)
     reason = plain_text(str(error))
     stop = isinstance(error, OutputError) and number in _DISK
     return Result(FAILED, reason=reason, stop=reason if stop else "", lasting=lasting)

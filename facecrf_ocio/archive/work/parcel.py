@@ -1,6 +1,6 @@
 """The work on one photo as another machine does it. `unpack` is what a Dask worker calls.
 
-It needs no `distributed`, only what a `Pool` needs: photos are worked on in a process of our own
+It needs no `distributed`, only what `Workers` need: photos are worked on in a process of our own
 there, too, which stays warm between photos and takes nothing else with it when it dies.
 """
 
@@ -17,7 +17,7 @@ from pathlib import Path
 from facecrf_ocio import __version__
 from facecrf_ocio.archive.place import Place
 from facecrf_ocio.archive.task import Result, Task
-from facecrf_ocio.archive.work.processes import Limits, Pool
+from facecrf_ocio.archive.work.processes import Limits, Workers
 from facecrf_ocio.files.versions import difference, versions
 
 _IDLE = 60.0  # [s] after which a process that nobody asks is let go
@@ -128,54 +128,54 @@ def _work(parcel: Parcel, source: Path, place: Place) -> Result:
 
 
 def _answer(task: Task, limits: Limits) -> Result:
-    with _WARM.borrowed(limits) as pool:
-        pool.submit(task)
-        while pool.busy:
-            for _, result in pool.results():
+    with _WARM.borrowed(limits) as workers:
+        workers.submit(task)
+        while workers.busy:
+            for _, result in workers.results():
                 return result
-    raise AssertionError("a pool answers every photo")
+    raise AssertionError("workers answer every photo")
 
 
 class _Warm:
     """Pools of one process each, kept for the next photo: one for each that is worked on."""
 
     def __init__(self) -> None:
-        self._idle: list[tuple[Pool, threading.Timer]] = []
+        self._idle: list[tuple[Workers, threading.Timer]] = []
         self._lock = threading.Lock()
 
     @contextmanager
-    def borrowed(self, limits: Limits) -> Iterator[Pool]:
-        pool = self._take(limits)
+    def borrowed(self, limits: Limits) -> Iterator[Workers]:
+        workers = self._take(limits)
         try:
-            yield pool
+            yield workers
         except BaseException:
-            pool.close()
+            workers.close()
             raise
-        timer = threading.Timer(_IDLE, self._let_go, (pool,))
+        timer = threading.Timer(_IDLE, self._let_go, (workers,))
         timer.daemon = True
         with self._lock:
-            self._idle.append((pool, timer))
+            self._idle.append((workers, timer))
         timer.start()
 
-    def _take(self, limits: Limits) -> Pool:
+    def _take(self, limits: Limits) -> Workers:
         with self._lock:
             for entry in reversed(self._idle):
-                pool, timer = entry
-                if pool.limits == limits:
+                workers, timer = entry
+                if workers.limits == limits:
                     timer.cancel()
                     self._idle.remove(entry)
-                    return pool
+                    return workers
         # Dask's nanny makes its workers daemons, which may have no children; ours end with them.
         multiprocessing.current_process().daemon = False
-        return Pool(1, limits)
+        return Workers(1, limits)
 
-    def _let_go(self, pool: Pool) -> None:
+    def _let_go(self, workers: Workers) -> None:
         with self._lock:
-            entry = next((entry for entry in self._idle if entry[0] is pool), None)
+            entry = next((entry for entry in self._idle if entry[0] is workers), None)
             if entry is None:  # it was taken a moment ago
                 return
             self._idle.remove(entry)
-        pool.close()
+        workers.close()
 
 
 _WARM = _Warm()

@@ -58,7 +58,7 @@ class _Worker:
     ready: bool = False
 
 
-class Pool:
+class Workers:
     """Some processes that run `one_photo.process`; use it as a context manager."""
 
     def __init__(self, jobs: int, limits: Limits) -> None:
@@ -68,7 +68,7 @@ class Pool:
         self._waiting: deque[Task] = deque()
         self._tried: set[str] = set()
 
-    def __enter__(self) -> Pool:
+    def __enter__(self) -> Workers:
         return self
 
     def __exit__(self, *_: object) -> None:

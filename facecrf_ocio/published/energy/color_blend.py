@@ -39,7 +39,7 @@ class ColorBlend:
 
     Parameters
     ----------
-    evidence
+    edge_blends
         Edge colors of one photo.
     size
         Number of samples K of the curves that will be asked about.
@@ -48,11 +48,11 @@ class ColorBlend:
         0, which is where the solution lies.
     """
 
-    def __init__(self, evidence: EdgeBlends, size: int, *, softness: float = 1e-3) -> None:
-        self._patch = evidence.patch
-        self._regions = Sampling.at(evidence.regions, size)
-        self._blends = Sampling.at(evidence.blends, size)
-        self._starts = first_of_each_patch(evidence)
+    def __init__(self, edge_blends: EdgeBlends, size: int, *, softness: float = 1e-3) -> None:
+        self._patch = edge_blends.patch
+        self._regions = Sampling.at(edge_blends.regions, size)
+        self._blends = Sampling.at(edge_blends.blends, size)
+        self._starts = first_of_each_patch(edge_blends)
         self._softness = softness
 
     def value_and_gradient(self, samples: Float) -> tuple[float, Float]:
@@ -73,9 +73,9 @@ class ColorBlend:
         return float((distance - self._softness).sum()), gradient
 
 
-def first_of_each_patch(evidence: EdgeBlends) -> Index:
+def first_of_each_patch(edge_blends: EdgeBlends) -> Index:
     """Index (P,) of the first edge pixel of each patch."""
-    return np.searchsorted(evidence.patch, np.arange(evidence.regions.shape[1]))
+    return np.searchsorted(edge_blends.patch, np.arange(edge_blends.regions.shape[1]))
 
 
 def _cross(a: Float, b: Float) -> Float:

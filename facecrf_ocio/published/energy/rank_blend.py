@@ -22,7 +22,7 @@ class BlendRank:
 
     Parameters
     ----------
-    evidence
+    edge_blends
         Edge colors of one photo.
     size
         Number of samples K of the curves that will be asked about.
@@ -31,11 +31,13 @@ class BlendRank:
         at 0, which is where the solution lies. One step of 8 bits.
     """
 
-    def __init__(self, evidence: EdgeBlends, size: int, *, softness: float = 1.0 / 255.0) -> None:
-        self._patch = evidence.patch
-        self._regions = Sampling.at(evidence.regions, size)
-        self._blends = Sampling.at(evidence.blends, size)
-        self._starts = first_of_each_patch(evidence)
+    def __init__(
+        self, edge_blends: EdgeBlends, size: int, *, softness: float = 1.0 / 255.0
+    ) -> None:
+        self._patch = edge_blends.patch
+        self._regions = Sampling.at(edge_blends.regions, size)
+        self._blends = Sampling.at(edge_blends.blends, size)
+        self._starts = first_of_each_patch(edge_blends)
         self._softness = softness
 
     def condition_numbers(self, samples: Float) -> Float:

@@ -22,6 +22,7 @@ from facecrf_ocio.errors import (
     SettingsError,
 )
 from facecrf_ocio.files.atomic import require_free
+from facecrf_ocio.files.plain_text import one_line
 from facecrf_ocio.image.lookup import Lookup
 from facecrf_ocio.image.lut_lookup import lut_lookup
 from facecrf_ocio.image.output import write_image_file
@@ -47,16 +48,14 @@ def run(arguments: Sequence[str] | None = None) -> int:
     try:
         _convert(given)
     except (FaceCRFError, MemoryError) as error:
-        told = _told(error)
-        line = re.sub(r"[\x00-\x1f\x7f-\x9f]", lambda found: f"\\x{ord(found[0]):02x}", told)
-        print(f"facecrf-oiio: {line}", file=sys.stderr)
+        print(f"facecrf-oiio: {one_line(_told(error))}", file=sys.stderr)
         return next((code for kind, code in _CODES.items() if isinstance(error, kind)), 1)
     return 0
 
 
 def _told(error: Exception) -> str:
     if isinstance(error, ExistsError):
-        return f"{error.target}: {error.problem}; pass --overwrite to replace it"
+        return error.on_command_line()
     return str(error) or "not enough memory; use a smaller image or --roi"
 
 

@@ -12,15 +12,15 @@ from facecrf_ocio.archive.task import Result, Task
 from facecrf_ocio.archive.work.one_photo import process
 
 
-class PoolHere:
-    """What `Pool` is, without processes of its own."""
+class WorkersHere:
+    """What `Workers` are, without processes of its own."""
 
     capacity = 2
 
     def __init__(self, *_: object) -> None:
         self._tasks: deque[Task] = deque()
 
-    def __enter__(self) -> PoolHere:
+    def __enter__(self) -> WorkersHere:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -42,6 +42,6 @@ class PoolHere:
 
 
 @pytest.fixture
-def pool_here(monkeypatch: pytest.MonkeyPatch) -> None:
+def workers_here(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let runs work in this process."""
-    monkeypatch.setattr(run, "Pool", PoolHere)
+    monkeypatch.setattr(run, "Workers", WorkersHere)
