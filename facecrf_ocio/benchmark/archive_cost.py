@@ -91,6 +91,11 @@ class ArchiveCost:
         )
 
 
+def batch_cost(photos: Sequence[Path], jobs: int) -> Cost:
+    """Run `facecrf batch` on a few photos and on all; as `measure_archive` says."""
+    return _cost(lambda folder, some: _batch(folder, some, jobs), photos)
+
+
 def _gain(one: Cost, several: Cost) -> str:
     steady, started = one.wall / several.wall, several.rate / one.rate
     return f"{steady:.2f} times the rate, {started:.2f} times with starting"

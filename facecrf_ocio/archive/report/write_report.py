@@ -46,6 +46,7 @@ def write_report(
     *,
     overwrite: bool = False,
     limit: int = PICTURED,
+    large: int = LARGE,
     jobs: int = 1,
     watch: Callable[[int], None] = lambda _: None,
 ) -> Written:
@@ -61,6 +62,8 @@ def write_report(
         Replace an existing file, even one that is no report.
     limit
         Number of photos that get pictures and curves.
+    large
+        How many of these get pictures to compare at a larger size.
     jobs
         Threads that read photos.
     watch
@@ -75,7 +78,7 @@ def write_report(
     overwrite = require_page(path, ARCHIVE_PAGE, overwrite=overwrite)
     archive = read_archive(folder)
     there = archive.source is not None and archive.source.is_dir()
-    pictures = _pictures(archive, limit, jobs, watch)
+    pictures = _pictures(archive, (limit, large), jobs, watch)
     now = this_minute()
     photos = relative_url(path, archive.source) if there and archive.source is not None else ""
     links = (photos, relative_url(path, folder))
@@ -85,13 +88,13 @@ def write_report(
 
 
 def _pictures(
-    archive: Archive, limit: int, jobs: int, watch: Callable[[int], None]
+    archive: Archive, counts: tuple[int, int], jobs: int, watch: Callable[[int], None]
 ) -> dict[str, Pictures]:
     worth = {kind: place for place, kind in enumerate(_WORTH)}
     chosen = sorted(
         archive.rows, key=lambda row: (row.name not in archive.misfits, worth[row.kind])
-    )[:limit]
-    large = {row.name for row in chosen[:LARGE]}
+    )[: counts[0]]
+    large = {row.name for row in chosen[: counts[1]]}
 
     def pictures(row: Row) -> Pictures:
         made = pictures_of(archive, row, LARGE_SIDE if row.name in large else 0)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import time
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,6 +13,7 @@ import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813
 import PyOpenColorIO as ocio  # noqa: N813
 
+from facecrf_ocio.benchmark.speed.race import Call, Timed, race
 from facecrf_ocio.files.threads import usable_cores
 from facecrf_ocio.image.apply import linear_rows, write_exr
 from facecrf_ocio.image.lookup import Lookup
@@ -23,7 +22,6 @@ from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.values import Photo
 
 Pixels = npt.NDArray[Any]
-Call = Callable[[], object]
 
 PAIRS = (
     (np.uint8, np.float32),
@@ -43,31 +41,6 @@ _OCIO = {
     "float16": ocio.BIT_DEPTH_F16,
     "float32": ocio.BIT_DEPTH_F32,
 }
-
-
-@dataclass(frozen=True, slots=True)
-class Timed:
-    """One call's best time.
-
-    Attributes
-    ----------
-    work
-        What is done, such as `uint8 to float16`.
-    by
-        Who does it.
-    seconds
-        The shortest of several runs.
-    cpu
-        The least seconds of processor time of several runs, all threads together.
-    rate
-        [megapixel / s]
-    """
-
-    work: str
-    by: str
-    seconds: float
-    cpu: float
-    rate: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,34 +96,22 @@ def measure_speed(lut: Path, megapixels: float, repeat: int) -> Speed:
     repeat
         Rounds; in each, every call is made once, so that a busy machine hits all alike.
     """
-    codes = _picture(megapixels)
+    codes = shades(megapixels)
     size = codes.shape[0] * codes.shape[1] / 1e6
     lookup = lut_lookup(lut)
     timed: list[Timed] = []
     for given, made in PAIRS:
-        source = _as_type(codes, given)
+        source = as_type(codes, given)
         work = f"{source.dtype} to {np.dtype(made)}"
-        timed += _race(work, _transforms(source, made, lookup, lut), size, repeat)
+        timed += race(work, _transforms(source, made, lookup, lut), size, repeat)
     with TemporaryDirectory(prefix="facecrf-") as folder:
         for compression in COMPRESSIONS:
             work = f"JPEG to half EXR, {compression}"
-            timed += _race(work, _files(codes, lookup, compression, Path(folder)), size, repeat)
+            timed += race(work, exr_calls(codes, lookup, compression, Path(folder)), size, repeat)
     return Speed(tuple(timed), size, _largest_error(codes[:256], lookup, lut))
 
 
-def _race(work: str, calls: dict[str, Call], size: float, repeat: int) -> Iterator[Timed]:
-    runs: dict[str, list[tuple[float, float]]] = {name: [] for name in calls}
-    for _ in range(repeat):
-        for name, call in calls.items():
-            start, cpu = time.perf_counter(), time.process_time()
-            call()
-            runs[name].append((time.perf_counter() - start, time.process_time() - cpu))
-    for name, times in runs.items():
-        seconds, spent = (min(column) for column in zip(*times, strict=True))
-        yield Timed(work, name, seconds, spent, size / seconds)
-
-
-def _picture(megapixels: float) -> Pixels:
+def shades(megapixels: float) -> Pixels:
     """(H, W, 3) uint8 of smooth shades and some noise, which compresses as photos do."""
     width = round((megapixels * 1e6 * 1.5) ** 0.5)
     height = max(1, round(megapixels * 1e6 / width))
@@ -163,7 +124,8 @@ def _picture(megapixels: float) -> Pixels:
     return wave.astype(np.uint8)
 
 
-def _as_type(codes: Pixels, dtype: Any) -> Pixels:
+def as_type(codes: Pixels, dtype: Any) -> Pixels:
+    """8-bit codes as code values of another type."""
     if dtype is np.uint16:
         return codes.astype(np.uint16) * np.uint16(257)
     return codes if dtype is np.uint8 else (codes / np.float32(255)).astype(dtype)
@@ -178,7 +140,7 @@ def _transforms(source: Pixels, made: Any, lookup: Lookup, lut: Path) -> dict[st
     calls: dict[str, Call] = {
         "this package": lambda: lookup.apply(source, dtype=made),
         "the same, into a reused buffer": lambda: lookup.apply(source, out=result),
-        "OpenColorIO, packed": _packed(source, result, lut),
+        "OpenColorIO, packed": packed(source, result, lut),
     }
     if source.dtype == np.float32 and made is np.float32:
         cpu = lut_processor(lut).getOptimizedCPUProcessor(_LOSSLESS)
@@ -190,13 +152,15 @@ def _transforms(source: Pixels, made: Any, lookup: Lookup, lut: Path) -> dict[st
     return calls
 
 
-def _packed(source: Pixels, result: Pixels, lut: Path) -> Call:
+def packed(source: Pixels, result: Pixels, lut: Path) -> Call:
+    """OpenColorIO's own call for whole pictures, from one buffer into another."""
     given, made = _OCIO[str(source.dtype)], _OCIO[str(result.dtype)]
     cpu = lut_processor(lut).getOptimizedCPUProcessor(given, made, _LOSSLESS)
     return lambda: cpu.apply(described(source, given), described(result, made))
 
 
-def _files(codes: Pixels, lookup: Lookup, compression: str, folder: Path) -> dict[str, Call]:
+def exr_calls(codes: Pixels, lookup: Lookup, compression: str, folder: Path) -> dict[str, Call]:
+    """Ways from a JPEG, which is written first, to a half EXR."""
     photo, target = folder / "photo.jpg", folder / "linear.exr"
     height, width, _ = codes.shape
     _write(photo, oiio.ImageSpec(width, height, 3, oiio.UINT8), codes)
@@ -244,11 +208,11 @@ def _write(path: Path, header: oiio.ImageSpec, pixels: Pixels) -> None:
 def _largest_error(codes: Pixels, lookup: Lookup, lut: Path) -> float:
     worst = 0.0
     for dtype in (np.uint8, np.uint16, np.float16, np.float32):
-        source = _as_type(codes, dtype)
+        source = as_type(codes, dtype)
         values = source.astype(np.float32)
         if source.dtype.kind == "u":
             values /= np.float32(np.iinfo(source.dtype).max)
         expected = np.empty_like(values)
-        _packed(values, expected, lut)()
+        packed(values, expected, lut)()
         worst = max(worst, float(np.abs(lookup.apply(source) - expected).max()))
     return worst

@@ -1,0 +1,1 @@
+"""How fast it is, beside what no program can do without: the decoder, and the encoder."""
