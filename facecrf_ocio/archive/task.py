@@ -34,6 +34,8 @@ class Recipe:
         One curve for all photos of a camera, estimator `auto` or `joint`.
     max_error
         [stop] Expected error above which a curve is not written; None for any.
+    exposure
+        Of the EXRs, as `find_exposure` takes it.
     """
 
     estimator: str = "auto"
@@ -45,6 +47,7 @@ class Recipe:
     exr: bool = False
     pool: bool = False
     max_error: float | None = None
+    exposure: str = "0"
 
     def to_json(self) -> str:
         """All of it, as the manifest keeps it."""

@@ -12,7 +12,13 @@ import click
 
 from facecrf_ocio.archive.walk import Passed, photos_under
 from facecrf_ocio.cli.batch_progress import Progress, kind_of
-from facecrf_ocio.cli.options import TEXT_PATH, Choices, direction_options, estimation_options
+from facecrf_ocio.cli.options import (
+    TEXT_PATH,
+    Choices,
+    direction_options,
+    estimation_options,
+    exposure_option,
+)
 from facecrf_ocio.cli.output_files import formats_option
 from facecrf_ocio.cli.terminal import (
     DONE,
@@ -50,6 +56,7 @@ _TLS = ("tls_ca", "tls_cert", "tls_key")
 @formats_option
 @direction_options
 @click.option("--exr", is_flag=True, help="Also write scene-linear EXRs.")
+@exposure_option
 @click.option(
     "--pool",
     type=click.Choice(("none", "camera")),
@@ -142,7 +149,8 @@ def _job(source: Path, output: Path, jobs: int | None, options: dict[str, Any]) 
     from facecrf_ocio.archive.task import Recipe
     from facecrf_ocio.archive.work.processes import Limits
 
-    exr, retry = options.pop("exr"), options.pop("retry")
+    exr, exposure, retry = (options.pop(name) for name in ("exr", "exposure", "retry"))
+    _require_exposure(exposure, exr=exr)
     formats = _endings(*(options.pop(name) for name in ("formats", "direction", "space")))
     limits = Limits(options.pop("timeout"), options.pop("memory"))
     pool = options.pop("pool") == "camera"
@@ -154,6 +162,7 @@ def _job(source: Path, output: Path, jobs: int | None, options: dict[str, Any]) 
         *(choices.estimator, choices.fallback, choices.prior, choices.min_confidence),
         *(choices.settings, formats, exr, pool),
         max_error=choices.max_error,
+        exposure=exposure,
     )
     return Job(
         *(source, output, recipe, jobs or usable_cores(), limits),
@@ -161,6 +170,15 @@ def _job(source: Path, output: Path, jobs: int | None, options: dict[str, Any]) 
         retry=retry,
         cluster=cluster,
     )
+
+
+def _require_exposure(exposure: str, *, exr: bool) -> None:
+    from facecrf_ocio.image.exposure import require_exposure
+
+    if exposure != "0":
+        require_exposure(exposure)
+        if not exr:
+            raise click.UsageError("--exposure scales the light of EXRs; pass --exr, too")
 
 
 def _silent(_: Event) -> None:

@@ -12,6 +12,7 @@ from facecrf_ocio.cli.options import (
     PHOTO_PATH,
     Choices,
     estimation_options,
+    exposure_option,
     exr_options,
     space_option,
 )
@@ -47,12 +48,7 @@ if TYPE_CHECKING:
     help="Light by the photo's gain map, with headroom above 1 as its maker rendered it; or by the "
     "calibrated curve. By the map where there is one (auto), but with --to by the curve.",
 )
-@click.option(
-    "--exposure",
-    default="0",
-    metavar="STOPS|gray",
-    help="Scale the light: by stops, or its geometric mean to 0.18. Told in the EXR.",
-)
+@exposure_option
 @click.option(
     "--uncertainty",
     is_flag=True,
@@ -80,6 +76,9 @@ def linearize(
     facecrf linearize a.jpg -o a.exr
     facecrf linearize a.jpg b.jpg -o linear --exposure gray
     """  # noqa: D301 - \b is Click's mark of lines to be kept
+    from facecrf_ocio.image.exposure import require_exposure
+
+    require_exposure(exposure)
     chosen = Choices(**choices)
     if hdr == "map" and space:
         raise SettingsError("--to needs scene light, which no gain map proves; use --hdr curve")

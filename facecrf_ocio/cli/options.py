@@ -204,3 +204,15 @@ def exr_options(command: Callable[..., Any]) -> Callable[..., Any]:
     for option in reversed(options):
         command = option(command)
     return command
+
+
+def exposure_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the option that scales the light of an EXR to be written."""
+    return click.option(
+        "--exposure",
+        default="0",
+        metavar="STOPS|gray|skin",
+        help="Scale the light of the EXR: by stops, its geometric mean to 0.18, or the cheek to "
+        "what its tone usually reflects (skin:fair, skin:medium, skin:dark tell which). Told in "
+        "the EXR.",
+    )(command)

@@ -12,7 +12,7 @@ import numpy as np
 from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.color.working_space import working_primaries, working_space_matrix
 from facecrf_ocio.image.apply import Pixels, Rows, linear_rows, write_exr
-from facecrf_ocio.image.exposure import exposure_stops
+from facecrf_ocio.image.exposure import Exposure, find_exposure
 from facecrf_ocio.image.lookup import curve_lookup
 from facecrf_ocio.image.lut_lookup import lut_lookup
 from facecrf_ocio.image.uncertainty import CHANNEL, sigma_rows
@@ -26,7 +26,7 @@ def write_linear(
     estimate: Estimate,
     *,
     space: str = "",
-    exposure: str = "0",
+    exposure: str | Exposure = "0",
     uncertainty: bool = False,
     half: bool = True,
     **file: Any,
@@ -34,10 +34,10 @@ def write_linear(
     """Send a photo through its estimated curve and write the result; see `apply.write_exr`.
 
     With `space`, one of `color.working_space.WORKING_SPACES`, a matrix from the photo's primaries
-    (Rec.709 where they are not known) follows the curve. `exposure`, as `exposure_stops` takes it,
-    scales the light; the curve stays as it is, and the file tells the stops. With `uncertainty` a
-    channel more, `uncertainty.CHANNEL`, says how far each pixel's light may be off. `half` and
-    `file` (`compression`, `overwrite`) are as `write_exr` takes them.
+    (Rec.709 where they are not known) follows the curve. `exposure`, as `find_exposure` takes or
+    gives it, scales the light; the curve stays as it is, and the file tells the stops. With
+    `uncertainty` a channel more, `uncertainty.CHANNEL`, says how far each pixel's light may be off.
+    `half` and `file` (`compression`, `overwrite`) are as `write_exr` takes them.
 
     Raises
     ------
@@ -47,16 +47,20 @@ def write_linear(
         If the file exists and `overwrite` is false, or it cannot be written.
     SettingsError
         If the exposure is not known, or there is no uncertainty to write.
+    PhotoError
+        If the exposure is by a cheek and there is none.
     """
     provenance = of_estimate(photo, estimate)
-    stops = exposure_stops(exposure, photo, estimate.curve)
+    if isinstance(exposure, str):
+        exposure = find_exposure(exposure, photo, estimate.curve)
+    stops = exposure.stops
     # What is computed with further wants more than half floats.
     exact = half and not space and not stops
     rows = linear_rows(photo, curve_lookup(estimate.curve), half=exact)
     linear: Pixels | Rows = photo.encoded if photo.scene_linear else rows
     if stops:
         linear = _scaled(linear, 2.0**stops)
-        provenance = {**provenance, "exposure": f"{stops:+.3f} stops ({exposure})"}
+        provenance = {**provenance, "exposure": f"{stops:+.3f} stops ({exposure.told})"}
     if photo.named_curve:
         photo = replace(photo, primaries=_of_display(photo))
     beside = {CHANNEL: sigma_rows(photo, estimate, 2.0**stops)} if uncertainty else None

@@ -40,6 +40,11 @@ which is why a linear plate looks dark beside an encoded one.
 
 --exposure STOPS   multiplies the EXR by two to the power of STOPS.
 --exposure gray    brings the geometric mean of the picture's luminance to 0.18.
+--exposure skin    brings the brighter cheek of the widest face to what skin of its
+                   tone usually reflects: 0.40 fair, 0.22 medium, 0.043 dark. The tone
+                   is judged by how bright the cheek came out, half of which may be
+                   the exposure. Tell it where you know it: skin:fair, skin:medium,
+                   skin:dark.
 
 The curve and its LUT files stay as they are. The EXR records the factor
 (facecrf:exposure), so that it can be taken out again.

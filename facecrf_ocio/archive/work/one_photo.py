@@ -12,6 +12,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 from facecrf_ocio.archive.cameras.told import face_json, told_before
 from facecrf_ocio.archive.task import (
@@ -34,6 +35,7 @@ from facecrf_ocio.errors import (
 )
 from facecrf_ocio.files.folders import make_folder
 from facecrf_ocio.files.plain_text import plain_text
+from facecrf_ocio.image.exposure import find_exposure
 from facecrf_ocio.image.linearize import write_linear
 from facecrf_ocio.joint import gather
 from facecrf_ocio.pair.code_samples import take_samples
@@ -156,6 +158,8 @@ def _camera(photo: Photo) -> tuple[str, str, str, str]:
 
 def _write(task: Task, photo: Photo, estimate: Estimate) -> tuple[Path, ...]:
     recipe, name = task.recipe, Path(task.name).name
+    # First, since it is no photo's half result.
+    exposure = find_exposure(recipe.exposure, photo, estimate.curve) if recipe.exr else None
     folder = task.place.inside(task.name).parent
     make_folder(folder)
     written = write_outputs(
@@ -167,9 +171,10 @@ def _write(task: Task, photo: Photo, estimate: Estimate) -> tuple[Path, ...]:
         overwrite=task.overwrite,
         stem=name,
     )
-    if recipe.exr:
+    if exposure is not None:
         exr = folder / f"{name}.exr"
-        written += (write_linear(exr, photo, estimate, overwrite=task.overwrite),)
+        how: dict[str, Any] = {"exposure": exposure, "overwrite": task.overwrite}
+        written += (write_linear(exr, photo, estimate, **how),)
     return written
 
 
