@@ -14,9 +14,9 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from facecrf_ocio.checks import unit_floats
 from facecrf_ocio.color.signals import decode_hlg, decode_pq
 from facecrf_ocio.errors import SettingsError
-from facecrf_ocio.estimates import unit_floats
 from facecrf_ocio.estimators import (
     ESTIMATORS,
     FALLBACKS,
@@ -25,6 +25,7 @@ from facecrf_ocio.estimators import (
 )
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude, gather, shipped_joint
 from facecrf_ocio.joint.single_curve import gain_scatter
+from facecrf_ocio.joint.verdict import doubted
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.published.estimate import published_estimate
 from facecrf_ocio.response.fixed import fixed_curve, prior_confidence
@@ -149,16 +150,15 @@ def _joint(
 
 def _doubted(estimate: Estimate, photo: Photo, most_scatter: float) -> Estimate:
     """Never `reliable` where the file says that no single curve of the camera made the photo."""
-    doubts = list(photo.edits)
+    told = estimate.confidence
+    if told is None:
+        return estimate
+    found = list(photo.edits)
     scatter = gain_scatter(photo)
     if scatter > most_scatter:
-        doubts.append(f"its gain map strays from every single curve by {scatter:.2f} stops")
-    told = estimate.confidence
-    if not doubts or told is None:
-        return estimate
-    verdict = Verdict.WEAK if told.verdict is Verdict.RELIABLE else told.verdict
-    reasons = (*told.reasons, *(f"perhaps no single curve: {doubt}" for doubt in doubts))
-    return replace(estimate, confidence=replace(told, verdict=verdict, reasons=reasons))
+        found.append(f"its gain map strays from every single curve by {scatter:.2f} stops")
+    doubts = tuple(f"perhaps no single curve: {one}" for one in found)
+    return replace(estimate, confidence=doubted(told, doubts))
 
 
 def _photo(given: Photo | str | Path | npt.NDArray[Any]) -> Photo:

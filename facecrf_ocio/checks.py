@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.errors import PhotoError, SettingsError
 
 Float = npt.NDArray[np.floating[Any]]
 Bool = npt.NDArray[np.bool_]
@@ -47,6 +47,25 @@ def read_only(items: Mapping[str, float]) -> MappingProxyType[str, float]:
 
 # An estimate goes from process to process, and pickle does not know read-only views by itself.
 copyreg.pickle(MappingProxyType, lambda view: (read_only, (dict(view),)))
+
+
+def unit_floats(values: npt.ArrayLike) -> npt.NDArray[Any]:
+    """Return code values as floats in [0, 1]: 8-bit and 16-bit integers by their maximum.
+
+    Raises
+    ------
+    SettingsError
+        If they are other integers, whose maximum nobody knows.
+    """
+    given = np.asarray(values)
+    if given.dtype in (np.uint8, np.uint16):
+        return given.astype(np.float32) / np.float32(np.iinfo(given.dtype).max)
+    if not np.issubdtype(given.dtype, np.floating):
+        raise SettingsError(
+            f"code values of type {given.dtype} have no known maximum; divide them by it and give "
+            "floats in [0, 1], or use uint8 or uint16"
+        )
+    return given
 
 
 def checked_pixels(

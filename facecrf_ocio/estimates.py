@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.checks import Float, frozen, read_only
+from facecrf_ocio.checks import Float, frozen, read_only, unit_floats
 from facecrf_ocio.errors import NotCalibratedError, SettingsError
 from facecrf_ocio.notebook.displayed import Displayed
 
@@ -43,25 +42,6 @@ class Verdict(str, Enum):
 
     def __str__(self) -> str:
         return self.value
-
-
-def unit_floats(values: npt.ArrayLike) -> npt.NDArray[Any]:
-    """Return code values as floats in [0, 1]: 8-bit and 16-bit integers by their maximum.
-
-    Raises
-    ------
-    SettingsError
-        If they are other integers, whose maximum nobody knows.
-    """
-    given = np.asarray(values)
-    if given.dtype in (np.uint8, np.uint16):
-        return given.astype(np.float32) / np.float32(np.iinfo(given.dtype).max)
-    if not np.issubdtype(given.dtype, np.floating):
-        raise SettingsError(
-            f"code values of type {given.dtype} have no known maximum; divide them by it and give "
-            "floats in [0, 1], or use uint8 or uint16"
-        )
-    return given
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -211,6 +191,8 @@ class Confidence:
         decoding, in stops over codes 64 to 235; None where that was not asked.
     outvoted
         Cues, or photos, that contradict the other evidence and count less.
+    doubts
+        What speaks against the curve whatever its band says; told wherever the verdict is.
     """
 
     sigma: Float
@@ -220,6 +202,7 @@ class Confidence:
     in_stops: InStops | None = None
     nearer_than_srgb: float | None = None
     outvoted: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         stops = "" if self.in_stops is None else f", {self.in_stops.mid:.2f} stops"

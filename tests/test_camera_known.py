@@ -23,9 +23,11 @@ from facecrf_ocio.cameras.known_cameras import (
     write_registry,
 )
 from facecrf_ocio.joint import PhotoEvidence, conclude
+from facecrf_ocio.joint.conclusion import _fused
 from facecrf_ocio.joint.known_response import STYLES, coefficients, known_response
 from facecrf_ocio.joint.prior import Message, shipped_prior
 from facecrf_ocio.values import Verdict
+from facecrf_ocio.wording.sentence import sentence
 
 CODES = np.linspace(0.0, 1.0, POINTS)
 
@@ -84,7 +86,32 @@ def test_a_photo_may_contradict_its_camera():
     alone, known = (conclude([photo], cameras=listed) for listed in ((), (camera(2.9),)))
     assert abs(middle(known) - middle(alone)) < 0.03
     assert known.confidence.verdict is not Verdict.RELIABLE
-    assert any("contradicts the measured response" in r for r in known.confidence.reasons)
+    (doubt,) = known.confidence.doubts
+    assert doubt == (
+        "the photo contradicts the measured response of Acme One: another picture style, or edited"
+    )
+    assert doubt in sentence(known)
+
+
+@pytest.mark.parametrize("photos", [1, 2, 12])
+def test_what_is_known_counts_once_however_many_photos_name_it(photos):
+    """The precision that it adds to the photos' is that of one message."""
+    prior = shipped_prior()
+    weights = prior.weights_for("modern")
+    known = {("Acme Inc.", "One"): known_response([camera(2.2)], "Acme", "One", prior)}
+    told = {f"{n}.jpg": said(2.2, 50.0) for n in range(photos)}
+    without, _ = _fused(told, prior, weights, {})
+    both, dissent = _fused(told, prior, weights, known)
+    assert dissent == ()
+    added = np.linalg.inv(both.covariance) - np.linalg.inv(without.covariance)
+    message = np.diag(known["Acme Inc.", "One"].message.precision)
+    assert np.abs(added - message).max() < 0.1 * message.max()
+
+
+def test_one_camera_by_two_names_counts_once():
+    two = {make: replace(said(2.0, 0.5), camera=(make, "One")) for make in ("Acme", "Acme Inc.")}
+    told = conclude(list(two.values()), cameras=(camera(2.4),))
+    assert sum("Acme One counts as evidence" in r for r in told.confidence.reasons) == 1
 
 
 def test_what_the_user_added_counts(tmp_path, monkeypatch):

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from facecrf_ocio import __version__
+from facecrf_ocio.archive.cameras.registry import reopen_measured
 from facecrf_ocio.archive.in_the_way import Alike, in_the_way
 from facecrf_ocio.archive.job import REOPENED, Event, Job
 from facecrf_ocio.archive.manifest.database import DONE, GATHERED, UNSEEN, WRITING, Manifest, Stamp
@@ -21,6 +22,7 @@ from facecrf_ocio.archive.walk import as_utf8, name_of
 from facecrf_ocio.archive.work.processes import Workers
 from facecrf_ocio.archive.work.status import status_of
 from facecrf_ocio.errors import OutputError, PhotoError
+from facecrf_ocio.estimators import JOINT_NAMES
 from facecrf_ocio.files.content import fingerprint_of
 from facecrf_ocio.files.folders import make_folder
 
@@ -59,6 +61,8 @@ def run(job: Job, photos: Iterable[Path], tell: Callable[[Event], None]) -> None
             with _workers(job) as workers:
                 recipe = job.recipe.sha256(__version__), job.recipe.to_json()
                 manifest.note_run(*recipe, workers.processors())
+                if job.recipe.estimator in JOINT_NAMES and not job.again:
+                    reopen_measured(manifest)
                 _Run(job, place, manifest, workers, identity, tell).through(photos)
             if job.cluster is not None:
                 place.clear_all()

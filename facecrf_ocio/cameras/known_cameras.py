@@ -79,12 +79,17 @@ def registry_path() -> Path:
 
 def known_cameras() -> tuple[KnownCamera, ...]:
     """Those that ship, and the user's own."""
+    return (*shipped_cameras(), *own_cameras())
+
+
+def own_cameras() -> tuple[KnownCamera, ...]:
+    """The user's own."""
     path = registry_path()
     try:
         changed = path.stat().st_mtime_ns
     except OSError:
-        return shipped_cameras()
-    return (*shipped_cameras(), *_own(path, changed))
+        return ()
+    return _own(path, changed)
 
 
 @lru_cache(maxsize=4)

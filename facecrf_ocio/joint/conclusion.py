@@ -17,7 +17,7 @@ from facecrf_ocio.joint.fuse import average, multiply, widened
 from facecrf_ocio.joint.known_response import KnownResponse, known_response
 from facecrf_ocio.joint.messages import COMBINED, Networks, networks_of
 from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior, prior_of
-from facecrf_ocio.joint.verdict import judge, verdict_of
+from facecrf_ocio.joint.verdict import doubted, judge, verdict_of
 from facecrf_ocio.response.coverage import coverage_at
 from facecrf_ocio.response.model import inverse_crf, strictly_increasing
 from facecrf_ocio.values import (
@@ -174,16 +174,15 @@ def _with_cameras(
     """Say what was known of the cameras; `weak` where a photo contradicts that."""
     if not known:
         return confidence
-    contradicted = {_measured(one) for one in known.values()} & set(dissent)
-    said = [
-        f"the photo contradicts {_measured(one)}: another picture style, or edited"
-        if _measured(one) in contradicted
-        else f"{_measured(one)} counts as evidence"
-        for one in known.values()
-    ]
-    weak = contradicted and confidence.verdict is Verdict.RELIABLE
-    verdict = Verdict.WEAK if weak else confidence.verdict
-    return replace(confidence, verdict=verdict, reasons=(*confidence.reasons, *said))
+    named = dict.fromkeys(_measured(one) for one in known.values())
+    counted = (f"{one} counts as evidence" for one in named if one not in dissent)
+    doubts = (
+        f"the photo contradicts {one}: another picture style, or edited"
+        for one in named
+        if one in dissent
+    )
+    told = replace(confidence, reasons=(*confidence.reasons, *counted))
+    return doubted(told, tuple(doubts))
 
 
 def _measured(known: KnownResponse) -> str:
@@ -215,15 +214,19 @@ def _fused(
 
     Photos are averaged as posteriors and not multiplied as likelihoods: the networks were trained
     for what one photo's messages leave of the prior, and several photos share what is wrong in it.
+    What is known of their camera is the same message for all of them, and counts once at the end.
     """
     of_photos: dict[str, Message] = {}
     outvoted = []
+    of_cameras: dict[str, list[float]] = {}
     for name, one in telling.items():
         messages, camera = dict(one.messages), known.get(one.camera)
         if camera is not None:
             messages[_measured(camera)] = camera.message
         shares = agreeing_shares(messages, prior, weights)
-        joined = multiply(list(messages.values()), [shares[c] for c in messages])
+        if camera is not None:
+            of_cameras.setdefault(camera.name, []).append(shares[_measured(camera)])
+        joined = multiply(list(one.messages.values()), [shares[c] for c in one.messages])
         if joined is not None:
             of_photos[name] = joined
         outvoted += [_NAMES.get(cue, cue) for cue, share in shares.items() if share < 0.5]
@@ -239,7 +242,21 @@ def _fused(
         share / float((prior.deviations(posterior) ** 2).mean())
         for share, posterior in zip(shares.values(), posteriors, strict=True)
     ]
-    return average(posteriors, trust, PHOTO_CORRELATION), tuple(outvoted)
+    alone = len(posteriors) == 1
+    pooled = posteriors[0] if alone else average(posteriors, trust, PHOTO_CORRELATION)
+    return _times_cameras(pooled, known, of_cameras), tuple(outvoted)
+
+
+def _times_cameras(
+    pooled: Posterior,
+    known: Mapping[tuple[str, str], KnownResponse],
+    shares: Mapping[str, Sequence[float]],
+) -> Posterior:
+    """Each camera's message once, with the mean of its shares in the photos that name it."""
+    for one in {camera.name: camera for camera in known.values()}.values():
+        share = float(np.mean(shares[one.name]))
+        pooled = pooled.times(Message(one.message.mean, share * one.message.precision))
+    return pooled
 
 
 def _confidence(

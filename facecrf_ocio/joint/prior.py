@@ -58,6 +58,20 @@ class Posterior:
         within = np.einsum("k,kmn->mn", self.weights, self.covariances)
         return np.asarray(within + np.einsum("k,km,kn->mn", self.weights, offset, offset))
 
+    def times(self, message: Message) -> Posterior:
+        """After one more likelihood: a product of Gaussians, component by component."""
+        precisions = np.linalg.inv(self.covariances)
+        covariances = np.linalg.inv(precisions + np.diag(message.precision))
+        pull = np.einsum("kmn,kn->km", precisions, self.means) + message.precision * message.mean
+        means = np.einsum("kmn,kn->km", covariances, pull)
+        spread = self.covariances + np.diag(1.0 / message.precision)
+        offset = self.means - message.mean
+        fit = np.einsum("km,km->k", offset, np.linalg.solve(spread, offset[..., None])[..., 0])
+        with np.errstate(divide="ignore"):
+            logs = np.log(self.weights) - 0.5 * (fit + np.linalg.slogdet(spread)[1])
+        share = np.exp(logs - logs.max())
+        return Posterior(share / share.sum(), means, covariances)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FamilyPrior:
@@ -127,20 +141,9 @@ class FamilyPrior:
         return np.asarray(weights / weights.sum())
 
     def posterior(self, message: Message | None, weights: Float) -> Posterior:
-        """Multiply the prior with a likelihood; a product of Gaussians, component by component."""
-        if message is None:
-            return Posterior(weights, self.means, self.covariances)
-        precisions = np.linalg.inv(self.covariances)
-        covariances = np.linalg.inv(precisions + np.diag(message.precision))
-        pull = np.einsum("kmn,kn->km", precisions, self.means) + message.precision * message.mean
-        means = np.einsum("kmn,kn->km", covariances, pull)
-        spread = self.covariances + np.diag(1.0 / message.precision)
-        offset = self.means - message.mean
-        fit = np.einsum("km,km->k", offset, np.linalg.solve(spread, offset[..., None])[..., 0])
-        with np.errstate(divide="ignore"):
-            logs = np.log(weights) - 0.5 * (fit + np.linalg.slogdet(spread)[1])
-        share = np.exp(logs - logs.max())
-        return Posterior(share / share.sum(), means, covariances)
+        """What a likelihood leaves of the prior."""
+        before = Posterior(weights, self.means, self.covariances)
+        return before if message is None else before.times(message)
 
     def deviations(self, posterior: Posterior) -> Float:
         """(K,) standard deviation of the posterior's curves on the grid.

@@ -13,7 +13,7 @@ import numpy as np
 from facecrf_ocio.color.srgb import decode_srgb
 from facecrf_ocio.joint.prior import FamilyPrior, Posterior
 from facecrf_ocio.response.expected_stops import expected_of_draws, rising, share_nearer
-from facecrf_ocio.values import Float, InStops, InverseCRF, Verdict
+from facecrf_ocio.values import Confidence, Float, InStops, InverseCRF, Verdict
 
 # Expected errors up to which an estimate is called reliable.
 RELIABLE_MID = 0.1  # [stop] what a colorist sees side by side
@@ -25,6 +25,18 @@ def verdict_of(expected: InStops) -> Verdict:
     """`reliable` or `weak`."""
     reliable = expected.mid <= RELIABLE_MID and expected.shadows <= RELIABLE_SHADOWS
     return Verdict.RELIABLE if reliable else Verdict.WEAK
+
+
+def doubted(confidence: Confidence, doubts: tuple[str, ...]) -> Confidence:
+    """The same with further doubts: never `reliable` with any."""
+    if not doubts:
+        return confidence
+    weak = confidence.verdict is Verdict.RELIABLE
+    return replace(
+        confidence,
+        verdict=Verdict.WEAK if weak else confidence.verdict,
+        doubts=(*confidence.doubts, *doubts),
+    )
 
 
 def judge(

@@ -83,6 +83,7 @@ def _confidence_record(confidence: Confidence | None) -> dict[str, object] | Non
         "differs_from_srgb": confidence.differs_from_srgb,
         "nearer_than_srgb": confidence.nearer_than_srgb,
         "outvoted": confidence.outvoted,
+        "doubts": confidence.doubts,
         "reasons": confidence.reasons,
         "sigma_stops": None if told is None else thinned(told.sigma),
         "sigma": thinned(confidence.sigma),
@@ -101,6 +102,7 @@ def _read_confidence(record: dict[str, Any] | None) -> Confidence | None:
         in_stops=_read_in_stops(record),
         nearer_than_srgb=record.get("nearer_than_srgb"),
         outvoted=tuple(record.get("outvoted", ())),
+        doubts=tuple(record.get("doubts", ())),
     )
 
 

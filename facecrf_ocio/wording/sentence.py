@@ -87,7 +87,8 @@ def expected(estimate: Estimate) -> str:
         return ""
     fixed = estimate.outcome is Outcome.FALLBACK
     begin = f"{estimate.reason}; expect" if fixed else _SAID[told.verdict]
-    return f"{begin} {error_words(told)}; {srgb_words(told)}"
+    doubts = () if estimate.confidence is None else estimate.confidence.doubts
+    return "; ".join([f"{begin} {error_words(told)}", srgb_words(told), *doubts])
 
 
 def details(estimate: Estimate) -> tuple[str, ...]:

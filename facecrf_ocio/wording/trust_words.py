@@ -11,7 +11,7 @@ def trust_sentences(confidence: Confidence) -> tuple[str, ...]:
     sentences += [
         f"{name} contradicts the other evidence and counts less" for name in confidence.outvoted
     ]
-    return (*filter(None, sentences), *confidence.reasons)
+    return (*filter(None, sentences), *confidence.doubts, *confidence.reasons)
 
 
 def trust_phrase(confidence: Confidence) -> str:

@@ -145,6 +145,7 @@ def estimate_sha256(estimate: Estimate) -> str:
     told = estimate.confidence
     if told is not None:
         said = [told.verdict.value, told.reasons, told.outvoted, told.nearer_than_srgb]
+        said += [told.doubts] if told.doubts else []
         digest.update(json.dumps(said).encode())
     for array in (estimate.curve.linear, *_arrays(told)):
         digest.update(np.ascontiguousarray(array, dtype=np.float64).tobytes())

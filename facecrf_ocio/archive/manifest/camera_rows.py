@@ -78,6 +78,21 @@ def former_curve(manifest: Manifest, key: str) -> tuple[str, str]:
     return next(((basis, digest) for basis, digest in manifest.rows(query, key)), ("", ""))
 
 
+def models(manifest: Manifest) -> list[str]:
+    """Models that photos' files name, in their order."""
+    return [model for (model,) in manifest.rows("SELECT DISTINCT model FROM photos ORDER BY 1")]
+
+
+def take_back(manifest: Manifest, model: str) -> int:
+    """Let the photos of a model, whose number is returned, be done by no recipe.
+
+    Within a transaction. They keep their rows and outputs until they are done again.
+    """
+    (count,) = next(manifest.rows("SELECT COUNT(*) FROM photos WHERE model = ?", model))
+    manifest.change("UPDATE photos SET recipe = '' WHERE model = ?", model)
+    return int(count)
+
+
 def contents(manifest: Manifest, key: str, recipe_sha256: str) -> Iterator[tuple[str, str]]:
     """Names and hashes of a camera's photos, in the order of names."""
     rows = manifest.rows(

@@ -42,7 +42,8 @@
 `about`
     `key`, `value`: `schema`; `source` (folder of the photos); `recipe HASH` (JSON: how photos of
     that recipe were treated, for whoever makes outputs again); `cpu` (JSON: the processors that
-    worked on it, see `files/processor.py`).
+    worked on it, see `files/processor.py`); `cameras` (JSON: of each model that the user measured,
+    the hash of what was known of it when photos were last done).
 
 All columns but the three durations, `written_ns` and the source's own `mtime_ns` and `ctime_ns` are
 the same for an unbroken run and for one that was resumed.
