@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
+import click
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813
 import pytest
@@ -28,7 +30,9 @@ from photo_files import (
 from PIL import Image
 
 from facecrf_ocio import __version__, read_photo
+from facecrf_ocio.cli.facecrf import main
 from facecrf_ocio.cli.options import COMPRESSIONS
+from facecrf_ocio.cli.sections import EXAMPLES, SECTIONS
 from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
 from facecrf_ocio.color.working_space import WORKING_SPACES, working_space_matrix
 from facecrf_ocio.errors import OutputError
@@ -78,6 +82,26 @@ class TestHelp:
         assert ended.code == DONE
         for word in ("calibrate", "linearize", "apply", "demo", "Exit codes"):
             assert word in ended.out
+
+    def test_lists_each_command_once_with_its_whole_first_sentence(
+        self, facecrf: CommandLine
+    ) -> None:
+        listed = [name for names in SECTIONS.values() for name in names]
+        assert sorted(listed) == sorted(main.commands)
+        told = facecrf("--help").out
+        assert "..." not in told.split("Options:")[1]
+        assert max(map(len, told.splitlines())) <= 80
+
+    @pytest.mark.parametrize("line", [line for lines in EXAMPLES.values() for line in lines])
+    def test_examples_are_right_usage(self, line: str) -> None:
+        _, name, *arguments = shlex.split(line)
+        command = main.commands[name]
+        command.make_parser(click.Context(command)).parse_args(list(arguments))
+        if isinstance(command, click.Group):
+            assert arguments[0] in command.commands
+
+    def test_of_a_command_ends_with_examples(self, facecrf: CommandLine) -> None:
+        assert "Examples:\n    facecrf lint luts/*.cube" in facecrf("lint", "--help").out
 
     def test_version(self, facecrf: CommandLine) -> None:
         assert __version__ in facecrf("--version").out
@@ -587,15 +611,30 @@ class TestProgress:
         command = ("batch", "in", "-o", "out", *options)
         _, shown = self.run(tmp_path, *command, columns=columns)
         assert "3 of 3 photos" in shown.decode()
-        drawn = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", shown.decode())
-        bars = [
-            line for line in re.split(r"[\r\n]+", drawn) if "\u2501" in line or "\u2578" in line
-        ]
-        assert bars
-        assert max(map(len, bars)) <= columns
+        assert 0 < self.widest_bar(shown) <= columns
         printed, shown = self.run(tmp_path, "report", "out", columns=columns)
         assert b"3 photos" in printed
-        assert b"reading photos" in shown
+        assert b"3 of 3 photos" in shown
+        luts = sorted(str(path.relative_to(tmp_path)) for path in tmp_path.glob("out/*.spi1d"))
+        (tmp_path / "no.cube").touch()
+        printed, shown = self.run(tmp_path, "lint", *luts, "no.cube", columns=columns)
+        assert b"2 of 4: out/c.png.spi1d" in shown
+        assert b"no.cube: " in printed
+        assert 0 < self.widest_bar(shown) <= columns
+
+    def test_a_bar_of_a_pair_tells_its_steps(self, tmp_path: Path) -> None:
+        for name in "ab":
+            write_noise(tmp_path / f"{name}.png")
+        _, shown = self.run(tmp_path, "pair", "a.png", "b.png", "-o", "out")
+        for step in (b"reading b.png", b"reading a.png", b"fitting b.png to a.png"):
+            assert step in shown
+
+    @staticmethod
+    def widest_bar(shown: bytes) -> int:
+        """Letters of the widest line with a bar; 0 without any."""
+        drawn = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", shown.decode())
+        lines = re.split(r"[\r\n]+", drawn)
+        return max((len(line) for line in lines if "\u2501" in line or "\u2578" in line), default=0)
 
 
 class TestManyPhotos:

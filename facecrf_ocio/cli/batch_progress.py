@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from facecrf_ocio.archive.walk import Passed, as_utf8
-from facecrf_ocio.cli.terminal import one_line
+from facecrf_ocio.cli.live import Bar, in_words
+from facecrf_ocio.files.plain_text import counted, one_line
 
 if TYPE_CHECKING:
     from facecrf_ocio.archive.job import Event
@@ -29,19 +29,15 @@ class Progress:
         self.tell = tell
         self.done = self.fresh = self.gathered = 0
         self.begin = self.said = monotonic()
-        self.live: Any = None
-        self.task: Any = None
+        self.bar = Bar()
 
     def __enter__(self) -> Progress:
-        if sys.stderr.isatty():
-            self.live = _bar()
-            self.task = self.live.add_task(self._line(), total=self.total)
-            self.live.start()
+        self.bar.__enter__()
+        self.bar.show(self._line(), 0, self.total)
         return self
 
     def __exit__(self, kind: object, *_: object) -> None:
-        if self.live is not None:
-            self.live.stop()
+        self.bar.__exit__()
         if self.done or self.gathered or kind is None:  # else the error alone says it all
             for line in (*_passed_over(self.passed), self._line()):
                 click.echo(line, err=True)
@@ -58,21 +54,17 @@ class Progress:
             self.fresh += event.fresh
             self.counts[kind_of(result.outcome, result.verdict)] += by
         if event.fresh and result.outcome == "failed":
-            if self.live is not None:
-                self.live.stop()
-            click.echo(f"facecrf: {one_line(_failure(event))}", err=True)
-            if self.live is not None:
-                self.live.start()
-        if self.live is not None:
-            self.live.update(self.task, completed=self.done, description=self._line())
+            self.bar.say(f"facecrf: {one_line(_failure(event))}")
+        if self.bar:
+            self.bar.show(self._line(), self.done, self.total)
         elif monotonic() - self.said > _PLAIN_EVERY:
             self.said = monotonic()
             click.echo(self._line(), err=True)
 
     def _line(self) -> str:
         rate = self.fresh / max(monotonic() - self.begin, 1e-9)
-        of = "" if self.total is None else f" of {self.total}"
-        text = f"{self.done}{of} photos"
+        photos = counted(self.done if self.total is None else self.total, "photo")
+        text = photos if self.total is None else f"{self.done} of {photos}"
         if self.gathered and (self.total is None or self.done < self.total):
             text = f"{self.gathered} looked at, {text}"
         if self.done > self.fresh:
@@ -80,19 +72,8 @@ class Progress:
         if self.fresh:
             text += f", {rate:.2f}/s"
             if self.total is not None and self.total > self.done:
-                text += f", {(self.total - self.done) / rate / 60:.0f} min left"
+                text += f", {in_words((self.total - self.done) / rate)} left"
         return f"{text}: " + ", ".join(f"{self.counts[kind]} {kind}" for kind in KINDS)
-
-
-def _bar() -> Any:
-    """A bar and the line beside it, which breaks where the terminal is narrow."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn
-    from rich.table import Column
-
-    line = TextColumn("{task.description}", markup=False, table_column=Column(ratio=1))
-    bar = BarColumn(bar_width=16)  # [letter] leaves most of 40 for the line
-    return Progress(bar, line, console=Console(stderr=True), transient=True, expand=True)
 
 
 def _passed_over(passed: Passed) -> Iterator[str]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import PHOTO_PATH, Choices, direction_options, estimation_options
 from facecrf_ocio.cli.output_files import PLOT_SUFFIX, OutputFiles, folder_option, formats_option
 from facecrf_ocio.cli.terminal import (
@@ -22,7 +23,6 @@ from facecrf_ocio.cli.terminal import (
     one_line,
     problem_of,
     require_writable,
-    status,
     tell,
     tell_json,
 )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import TEXT_PATH, Choices, direction_options, estimation_options
 from facecrf_ocio.cli.output_files import formats_option
 from facecrf_ocio.cli.terminal import (
@@ -15,10 +16,10 @@ from facecrf_ocio.cli.terminal import (
     ending_well,
     one_line,
     require_writable,
-    status,
     tell,
 )
 from facecrf_ocio.errors import LutError
+from facecrf_ocio.files.plain_text import counted
 
 if TYPE_CHECKING:
     from facecrf_ocio.clip.calibrate_clip import ClipEstimate
@@ -113,8 +114,8 @@ def _write_frames(opened: Clip, found: ClipEstimate, output: Path, *, overwrite:
     from facecrf_ocio.clip.exr_sequence import write_sequence
 
     folder, kept, count = output / f"{opened.stem}.exr", 0, 0
-    with status(f"writing {len(opened.times)} frames"):
+    with status(f"writing {counted(len(opened.times), 'frame')}"):
         for _, there in write_sequence(opened, found.estimate, folder, overwrite=overwrite):
             kept, count = kept + there, count + 1
     was = f", {kept} of them there already" if kept else ""
-    click.echo(one_line(f"  {folder}: {count} frames{was}"))
+    click.echo(one_line(f"  {folder}: {counted(count, 'frame')}{was}"))

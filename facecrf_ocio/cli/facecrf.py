@@ -22,6 +22,7 @@ from facecrf_ocio.cli.doctor_command import doctor
 from facecrf_ocio.cli.explain_command import explain
 from facecrf_ocio.cli.linearize_command import linearize, require_exr_free
 from facecrf_ocio.cli.lint_command import lint
+from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.merge_command import merge
 from facecrf_ocio.cli.ocio_config_command import ocio_config
 from facecrf_ocio.cli.options import (
@@ -31,6 +32,7 @@ from facecrf_ocio.cli.options import (
 )
 from facecrf_ocio.cli.pair_command import pair
 from facecrf_ocio.cli.report_command import report
+from facecrf_ocio.cli.sections import EXAMPLES, Sections, examples
 from facecrf_ocio.cli.show_command import show
 from facecrf_ocio.cli.terminal import (
     DONE,
@@ -39,13 +41,16 @@ from facecrf_ocio.cli.terminal import (
     one_line,
     require_writable,
     speak_any_name,
-    status,
     tell,
 )
 from facecrf_ocio.cli.verify_command import verify
 
 
-@click.group(epilog=EXIT_CODES, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(
+    cls=Sections,
+    epilog=f"{examples(EXAMPLES[''])}\n\n{EXIT_CODES}",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
 @click.version_option(__version__, prog_name="facecrf")
 def main() -> None:
     """From one photo with a face to an OCIO transform that makes it scene-linear."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import (
     PHOTO_PATH,
     Choices,
@@ -27,7 +28,6 @@ from facecrf_ocio.cli.terminal import (
     one_line,
     problem_of,
     require_writable,
-    status,
     tell,
 )
 from facecrf_ocio.errors import OutputError, SettingsError
@@ -71,11 +71,7 @@ def linearize(
     """Calibrate each PHOTO and write it as a scene-linear EXR.
 
     Of several photos -o names a folder, which gets NAME.exr of each.
-
-    \b
-    facecrf linearize a.jpg -o a.exr
-    facecrf linearize a.jpg b.jpg -o linear --exposure gray
-    """  # noqa: D301 - \b is Click's mark of lines to be kept
+    """
     from facecrf_ocio.image.exposure import require_exposure
 
     require_exposure(exposure)

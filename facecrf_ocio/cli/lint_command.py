@@ -8,8 +8,9 @@ from pathlib import Path
 
 import click
 
+from facecrf_ocio.cli.live import Bar
 from facecrf_ocio.cli.options import PHOTO_PATH
-from facecrf_ocio.cli.terminal import DONE, complain, ending_well, exit_code_of, one_line
+from facecrf_ocio.cli.terminal import DONE, ending_well, exit_code_of, one_line
 from facecrf_ocio.errors import LutError
 
 WARNED, WRONG, UNUSABLE = 5, 6, 7  # exit codes, beyond those that all commands share
@@ -28,15 +29,18 @@ def lint(luts: tuple[Path, ...], as_json: bool) -> int:
     from facecrf_ocio.lut.lint import lint as find
 
     codes = [DONE]
-    for path in luts:
-        try:
-            findings = find(path)
-        except LutError as error:
-            codes.append(complain(str(error), exit_code_of(error)))
-            continue
-        for finding in findings:
-            code = WRONG if finding.severity == ERROR else WARNED
-            codes.append(UNUSABLE if finding.unusable else code)
-            record = json.dumps({**asdict(finding), "path": str(path)})
-            click.echo(record if as_json else one_line(str(finding)))
+    with Bar() as bar:
+        for number, path in enumerate(luts):
+            bar.show(one_line(f"{number} of {len(luts)}: {path}"), number, len(luts))
+            try:
+                findings = find(path)
+            except LutError as error:
+                bar.say(f"facecrf: {one_line(str(error))}")
+                codes.append(exit_code_of(error))
+                continue
+            for finding in findings:
+                code = WRONG if finding.severity == ERROR else WARNED
+                codes.append(UNUSABLE if finding.unusable else code)
+                record = json.dumps({**asdict(finding), "path": str(path)})
+                bar.say(record if as_json else one_line(str(finding)), err=False)
     return max(codes)

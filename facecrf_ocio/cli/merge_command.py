@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from facecrf_ocio.cli.bracket_command import solve, stops_option
+from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import PHOTO_PATH, exr_options
 from facecrf_ocio.cli.terminal import (
     NOTHING,
@@ -16,7 +17,6 @@ from facecrf_ocio.cli.terminal import (
     ending_well,
     one_line,
     require_writable,
-    status,
 )
 from facecrf_ocio.errors import OutputError
 

@@ -9,6 +9,7 @@ import click
 
 from facecrf_ocio.cli.options import SPACE_NAMES, TEXT_PATH
 from facecrf_ocio.cli.terminal import DONE, ending_well, one_line
+from facecrf_ocio.files.plain_text import counted
 
 
 @click.command("ocio-config")
@@ -48,7 +49,11 @@ def ocio_config(luts: tuple[Path, ...], output: Path, primaries: str | None, **c
     given = known_primaries(primaries, "assumed") if primaries else None
     written = write_config(luts, output, primaries=given, **choices)
     config, *files = written
-    what = f"config with {len(files)} files beside it" if files else "config with its LUTs inside"
+    what = (
+        f"config with {counted(len(files), 'file')} beside it"
+        if files
+        else "config with its LUTs inside"
+    )
     if choices["merge"]:
         what += f", profile version {_profile_version(config)} as before"
     click.echo(one_line(f"{config}: {what}"))

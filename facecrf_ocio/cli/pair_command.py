@@ -7,10 +7,20 @@ from typing import Any
 
 import click
 
+from facecrf_ocio.cli.live import Bar
 from facecrf_ocio.cli.options import PHOTO_PATH
 from facecrf_ocio.cli.output_files import OutputFiles, folder_option, measurement_options
-from facecrf_ocio.cli.terminal import USAGE, complain, ending_well, require_writable, status, tell
+from facecrf_ocio.cli.terminal import (
+    USAGE,
+    complain,
+    ending_well,
+    one_line,
+    require_writable,
+    tell,
+)
 from facecrf_ocio.errors import LutError
+
+_STEPS = 4  # that the bar counts: two photos read, the fit, the outputs
 
 
 @click.command()
@@ -42,8 +52,13 @@ def pair(
         return complain(str(error), USAGE)
     require_writable(output)
     outputs.require_free(encoded)
-    with status(f"fitting {encoded} to {linear}"):
+    with Bar() as bar:
+        bar.show(one_line(f"reading {encoded}"), 0, _STEPS)
         photo = read_photo(encoded)
-        estimate = calibrate_pair(read_photo(linear), photo).estimate
+        bar.show(one_line(f"reading {linear}"), 1, _STEPS)
+        light = read_photo(linear)
+        bar.show(one_line(f"fitting {encoded} to {linear}"), 2, _STEPS)
+        estimate = calibrate_pair(light, photo).estimate
+        bar.show("writing", 3, _STEPS)
         written = outputs.write(encoded, photo, estimate, Settings())
     return tell(encoded, estimate, written, as_json=as_json)

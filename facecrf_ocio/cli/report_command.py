@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import count
 from pathlib import Path
 
 import click
 
+from facecrf_ocio.cli.live import counting
 from facecrf_ocio.cli.options import TEXT_PATH
-from facecrf_ocio.cli.terminal import DONE, complain, ending_well, one_line, progress
+from facecrf_ocio.cli.terminal import DONE, complain, ending_well, one_line
+from facecrf_ocio.files.plain_text import counted
 from facecrf_ocio.files.threads import usable_cores
 
 
@@ -33,20 +36,22 @@ def report(
     """
     from facecrf_ocio.archive.report import write_report
 
-    with progress("reading photos") as count:
+    looked_at = count(1)
+    with counting("photos") as tell:
         written = write_report(
             folder,
             output,
             overwrite=overwrite,
             limit=pictures,
             jobs=jobs or usable_cores(),
-            watch=count,
+            watch=lambda total: tell(next(looked_at), total),
         )
     if not written.source_is_there:
         complain("the folder of the photos is not there, so the report shows none of them", DONE)
     click.echo(
         one_line(
-            f"{written.path}: {written.photos} photos, {written.pictured} of them with pictures, "
+            f"{written.path}: {counted(written.photos, 'photo')}, "
+            f"{written.pictured} of them with pictures, "
             f"{written.size / 1e6:.1f} MB"
         )
     )

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import PHOTO_PATH, TEXT_PATH, Choices, estimation_options
-from facecrf_ocio.cli.terminal import ending_well, status, tell
+from facecrf_ocio.cli.terminal import ending_well, tell
 from facecrf_ocio.errors import SettingsError
 
 if TYPE_CHECKING:
@@ -36,12 +37,7 @@ PAGE_SUFFIX = ".crf.html"
 @estimation_options
 @ending_well
 def show(photo: Path, output: Path | None, record: Path | None, opens: bool, **choices: Any) -> int:
-    """Show PHOTO before and after, its curve and what to expect, as one HTML page.
-
-    \b
-    facecrf show a.jpg --open
-    facecrf show a.jpg --record luts/a.crf.json
-    """  # noqa: D301 - \b is Click's mark of lines to be kept
+    """Show PHOTO before and after, its curve and what to expect, as one HTML page."""
     from facecrf_ocio.archive.report.photo_page import write_photo_page
 
     chosen = Choices(**choices)

@@ -1,4 +1,4 @@
-"""How a command speaks and ends: one line per complaint, its exit code, and a sign of life."""
+"""How a command speaks and ends: one line per complaint, and its exit code."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import io
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -94,42 +93,6 @@ def speak_any_name() -> None:
     """Let names that stdout's encoding cannot hold be printed escaped instead of failing."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
-
-
-@contextmanager
-def status(message: str) -> Iterator[None]:
-    """Show a spinner on a terminal's stderr; print nothing meanwhile, and nothing elsewhere."""
-    if not sys.stderr.isatty():
-        yield
-        return
-    from rich.console import Console
-    from rich.markup import escape
-
-    with Console(stderr=True).status(escape(one_line(message))):
-        yield
-
-
-@contextmanager
-def progress(message: str) -> Iterator[Callable[[int], None]]:
-    """Show a bar on a terminal's stderr, as wide as it is; what is yielded counts one of a total.
-
-    Files done and time left are told; where there is no terminal, nothing is.
-    """
-    if not sys.stderr.isatty():
-        yield lambda _: None
-        return
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
-
-    columns = ("{task.description}", BarColumn(None), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True, expand=True) as bar:
-        task = bar.add_task(escape(one_line(message)), total=None)
-
-        def count(total: int) -> None:
-            bar.update(task, total=total, advance=1)
-
-        yield count
 
 
 def require_writable(folder: Path) -> None:

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 import click
 
 from facecrf_ocio.archive.walk import as_utf8
-from facecrf_ocio.cli.terminal import DONE, FAILED, complain, ending_well, one_line, status
+from facecrf_ocio.cli.live import status
+from facecrf_ocio.cli.terminal import DONE, FAILED, complain, ending_well, one_line
+from facecrf_ocio.files.plain_text import counted
 
 if TYPE_CHECKING:
     from facecrf_ocio.archive.check_outputs import Fault
@@ -36,7 +38,7 @@ def verify(folder: Path, as_json: bool, repair: bool) -> int:
     if repair:
         from facecrf_ocio.archive.repair import make_again
 
-        with status(f"making {len(faults)} files of {folder} again"):
+        with status(f"making {counted(len(faults), 'file')} of {folder} again"):
             problems = make_again(folder, faults)
         for problem in problems:
             complain(problem, FAILED)
@@ -47,7 +49,8 @@ def verify(folder: Path, as_json: bool, repair: bool) -> int:
     if as_json:
         click.echo(json.dumps({"folder": str(folder), "exit_code": code, "faults": len(faults)}))
     elif faults:
-        complain(f"{folder}: {len(faults)} files are not as they were written", code)
+        are = "is not as it was" if len(faults) == 1 else "are not as they were"
+        complain(f"{folder}: {counted(len(faults), 'file')} {are} written", code)
     else:
         click.echo(one_line(f"{folder}: all files are as they were written"))
     return code

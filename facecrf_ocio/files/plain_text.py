@@ -55,6 +55,11 @@ def one_line(text: str) -> str:
     return _STEERS.sub(lambda found: f"\\x{ord(found[0]):02x}", text)
 
 
+def counted(count: int, thing: str) -> str:
+    """As words: 1 photo, 2 photos."""
+    return f"{count} {thing}" if count == 1 else f"{count} {thing}s"
+
+
 def complaint(ask: Callable[[], object]) -> str:
     """What a library answers where it is asked for its last error, in plain text."""
     try:

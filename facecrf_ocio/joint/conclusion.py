@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from facecrf_ocio.cameras.known_cameras import KnownCamera, known_cameras
+from facecrf_ocio.files.plain_text import counted
 from facecrf_ocio.joint.cue_weights import agreeing_shares
 from facecrf_ocio.joint.evidence import PhotoEvidence
 from facecrf_ocio.joint.fuse import average, multiply, widened
@@ -140,11 +141,10 @@ def conclude(
         )
     faces = tuple(e.face for e in telling if e.face is not None)
     cues = sorted({cue for e in telling for cue in e.messages} - {COMBINED})
-    photos = "1 photo" if len(telling) == 1 else f"{len(telling)} photos"
     return Estimate(
         Outcome.CALIBRATED,
         "joint",
-        f"{photos}, {len(cues)} cues: {', '.join(cues)}",
+        f"{counted(len(telling), 'photo')}, {counted(len(cues), 'cue')}: {', '.join(cues)}",
         found=found,
         confidence=confidence,
         coefficients=np.tile(coefficients, (len(CHANNELS), 1)),

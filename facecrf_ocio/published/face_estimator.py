@@ -8,9 +8,10 @@ import numpy as np
 import scipy
 
 from facecrf_ocio.face.detect import find_faces
-from facecrf_ocio.face.no_face import count_faces, lacking_faces
+from facecrf_ocio.face.no_face import lacking_faces
 from facecrf_ocio.face.skin_mask import SkinMask, find_skin
 from facecrf_ocio.face.view import MIN_SKIN_PIXELS, FaceView, cut_face
+from facecrf_ocio.files.plain_text import counted
 from facecrf_ocio.published.answer import Answer, EnergyTerms
 from facecrf_ocio.published.energy.pigment import PigmentPairs, SkinPigment
 from facecrf_ocio.published.gradients import PigmentGradients, single_pigment_pairs
@@ -90,7 +91,8 @@ def _answer(
             ),
         ),
         encoded=joined.encoded.reshape(3, -1).T,
-        summary=f"{count_faces(len(usable))}, {counts[0]} melanin and {counts[1]} hemoglobin pairs",
+        summary=f"{counted(len(usable), 'face')}, "
+        f"{counts[0]} melanin and {counts[1]} hemoglobin pairs",
         faces=tuple(face.view.face for face in usable),
     )
 

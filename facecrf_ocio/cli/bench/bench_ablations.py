@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from facecrf_ocio.cli.bench.bench_terminal import PATH, progress, told
+from facecrf_ocio.cli.bench.bench_terminal import PATH, told
+from facecrf_ocio.cli.live import counting
 from facecrf_ocio.cli.terminal import ending_well, require_writable
 from facecrf_ocio.errors import SettingsError
 
@@ -54,6 +55,6 @@ def ablations(
             known.append(rendered_head(image.path, maps / f"{stem}_aux.exr"))
     known += [synthetic_face(seed) for seed in range(seeds)]
     rows = spread_rows(len(responses.inverse), limit=limit_curves)
-    with progress() as tell:
+    with counting("cases", plainly=True) as tell:
         text, files = run_ablations(AblationPlan(tuple(known), responses, rows), output, tell)
     return told(text, files)

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from facecrf_ocio.cli.bench.bench_terminal import PATH, progress
+from facecrf_ocio.cli.bench.bench_terminal import PATH
+from facecrf_ocio.cli.live import counting
 from facecrf_ocio.cli.terminal import DONE, ending_well
 
 
@@ -26,7 +27,7 @@ def bench_cameras(faces: Path, pattern: str, curves: tuple[Path, ...], repeat: i
 
     files = [read_responses(path) for path in curves]
     images = find_linear_images(faces, pattern).images
-    with progress() as done:
+    with counting("cases", plainly=True) as done:
         results = list(measure_known(images, files, repeat=repeat, progress=done))
     click.echo(known_markdown(results))
     return DONE

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from facecrf_ocio.cli.bench.bench_terminal import PATH, left_out, progress, told
+from facecrf_ocio.cli.bench.bench_terminal import PATH, left_out, told
+from facecrf_ocio.cli.live import counting
 from facecrf_ocio.cli.terminal import ending_well, require_writable
 
 
@@ -30,7 +31,7 @@ def consistency(photos: tuple[Path, ...], half: bool, output: Path | None) -> in
     if output is not None:
         require_writable(output)
         output.mkdir(parents=True, exist_ok=True)
-    with progress() as tell:
+    with counting("cases", plainly=True) as tell:
         found = measure_consistency(photos, half=half, progress=tell)
     left_out(found.left_out)
     files = () if output is None else write_consistency(found, output)

@@ -8,7 +8,8 @@ from typing import Any
 import click
 
 from facecrf_ocio.cli.bench.bench_plan import plan
-from facecrf_ocio.cli.bench.bench_terminal import PATH, progress, told
+from facecrf_ocio.cli.bench.bench_terminal import PATH, told
+from facecrf_ocio.cli.live import counting
 from facecrf_ocio.cli.terminal import ending_well, require_writable
 from facecrf_ocio.settings import PRIORS
 
@@ -31,6 +32,6 @@ def cues(output: Path, **choices: Any) -> int:
     asked = plan(**unused, **camera, **choices)
     require_writable(output)
     output.mkdir(parents=True, exist_ok=True)
-    with progress() as tell:
+    with counting("cases", plainly=True) as tell:
         text, files = run_cues(asked, output, tell)
     return told(text, files)

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from facecrf_ocio.cli.bench.bench_terminal import PATH, progress, told
+from facecrf_ocio.cli.bench.bench_terminal import PATH, told
+from facecrf_ocio.cli.live import counting
 from facecrf_ocio.cli.terminal import ending_well, require_writable
 from facecrf_ocio.settings import Settings
 
@@ -29,6 +30,6 @@ def pairs(source: Path, estimators: str, output: Path) -> int:
     chosen = choose_estimators(estimators)
     found = find_pairs(source)
     require_writable(output)
-    with progress() as tell:
+    with counting("cases", plainly=True) as tell:
         table = run_pairs(found, chosen, output, Settings(), tell)
     return told(table.text, table.files)

@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-from facecrf_ocio.cli.bench.bench_terminal import PATH, left_out, progress, told
+from facecrf_ocio.cli.bench.bench_terminal import PATH, left_out, told
+from facecrf_ocio.cli.live import counting
 from facecrf_ocio.cli.terminal import FAILED, complain, ending_well, require_writable
 
 
@@ -60,7 +61,7 @@ def stress(
     plan = StressPlan(title or which, found.images, responses, rows, chosen, **rest)
     require_writable(output)
     try:
-        with progress() as tell:
+        with counting("cases", plainly=True) as tell:
             return told(*run_stress(plan, output, jobs=jobs, progress=tell))
     except KeyboardInterrupt:
         return complain("interrupted; the same command goes on where it was", FAILED)

@@ -8,7 +8,8 @@ from typing import Any
 import click
 
 from facecrf_ocio.cli.bench.bench_plan import PROTOCOLS, plan
-from facecrf_ocio.cli.bench.bench_terminal import PATH, progress
+from facecrf_ocio.cli.bench.bench_terminal import PATH
+from facecrf_ocio.cli.live import counting
 from facecrf_ocio.cli.terminal import (
     DONE,
     FAILED,
@@ -95,7 +96,7 @@ def synthetic(output: Path, jobs: int, groups: tuple[Path, str] | None, **choice
     group_of = image_groups(*groups) if groups else {}
     require_writable(output)
     try:
-        with progress() as tell:
+        with counting("cases", plainly=True) as tell:
             table = run_synthetic(asked, output, jobs=jobs, progress=tell, groups=group_of)
     except KeyboardInterrupt:
         return complain("interrupted; the same command goes on where it was", FAILED)

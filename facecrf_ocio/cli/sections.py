@@ -1,0 +1,76 @@
+"""The list of commands, by kind of work, and examples of each."""
+
+from __future__ import annotations
+
+import click
+
+SECTIONS = {
+    "One photo": ("calibrate", "linearize", "show", "apply"),
+    "An archive": ("batch", "report", "verify"),
+    "A camera": ("pair", "bracket", "chart", "cameras"),
+    "Moving pictures and brackets": ("clip", "merge"),
+    "LUTs": ("ocio-config", "lint"),
+    "About facecrf": ("demo", "explain", "doctor", "completion", "bench"),
+}
+
+EXAMPLES = {
+    "": (
+        "facecrf calibrate portrait.jpg -o luts",
+        "facecrf linearize portrait.jpg -o portrait.exr",
+        "facecrf batch photos -o luts",
+    ),
+    "calibrate": (
+        "facecrf calibrate a.jpg -o luts",
+        "facecrf calibrate a.jpg -o luts --formats cube --to acescg --plot",
+        "facecrf calibrate *.jpg -o luts --together",
+    ),
+    "linearize": (
+        "facecrf linearize a.jpg -o a.exr",
+        "facecrf linearize a.jpg b.jpg -o linear --exposure gray",
+    ),
+    "show": ("facecrf show a.jpg --open", "facecrf show a.jpg --record luts/a.crf.json"),
+    "apply": ("facecrf apply a.jpg --lut luts/a.cube -o a.exr",),
+    "batch": (
+        "facecrf batch photos -o luts",
+        "facecrf batch photos -o luts --pool camera --exr --csv photos.csv",
+    ),
+    "report": ("facecrf report luts",),
+    "verify": ("facecrf verify luts", "facecrf verify luts --repair"),
+    "pair": ("facecrf pair a.dng a.jpg -o luts",),
+    "bracket": ("facecrf bracket 1.jpg 2.jpg 3.jpg -o luts",),
+    "chart": ("facecrf chart a.jpg -o luts",),
+    "cameras": ("facecrf cameras list",),
+    "clip": ("facecrf clip frame.%04d.jpg -o luts --exr",),
+    "merge": ("facecrf merge 1.jpg 2.jpg 3.jpg -o merged.exr",),
+    "ocio-config": ("facecrf ocio-config luts/*.spi1d -o photos.ocio",),
+    "lint": ("facecrf lint luts/*.cube",),
+    "demo": ("facecrf demo",),
+    "explain": ("facecrf explain verdicts",),
+    "bench": ("facecrf bench synthetic --help",),
+}
+
+
+class Sections(click.Group):
+    """A group that lists its commands under headings, each with its whole first sentence."""
+
+    def format_commands(self, _: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write them, and examples."""
+        for heading, names in SECTIONS.items():
+            with formatter.section(heading):
+                formatter.write_dl([(name, _summary(self.commands[name])) for name in names])
+
+    def add_command(self, cmd: click.Command, name: str | None = None) -> None:
+        """Add one, whose help ends with examples."""
+        super().add_command(cmd, name)
+        lines = EXAMPLES.get(name or cmd.name or "", ())
+        if lines:
+            cmd.epilog = "\n\n".join(filter(None, (examples(lines), cmd.epilog)))
+
+
+def examples(lines: tuple[str, ...]) -> str:
+    """As a paragraph whose lines Click keeps."""
+    return "\n".join(("\b", "Examples:", *(f"  {line}" for line in lines)))
+
+
+def _summary(command: click.Command) -> str:
+    return command.get_short_help_str(limit=200)  # letters: more than any has
