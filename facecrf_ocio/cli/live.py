@@ -56,7 +56,9 @@ class Bar:
         """Fill the bar, as far as a total is known, and write words beside it."""
         if self._progress is not None:
             task = self._progress.task_ids[0]
-            self._progress.update(task, description=words, completed=done, total=total)
+            self._progress.update(
+                task, description=words, completed=done, total=total, refresh=True
+            )
 
     def say(self, line: str, *, err: bool = True) -> None:
         """Print a line, above the bar if there is one."""
