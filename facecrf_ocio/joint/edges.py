@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from facecrf_ocio.joint.noise_counts import EDGE_LEVELS, NoiseCounts
+from facecrf_ocio.joint.edge_counts import EDGE_LEVELS
+from facecrf_ocio.joint.noise_counts import NoiseCounts
 from facecrf_ocio.values import Float
 
 _FEW = 30.0  # edges at which a place is trusted by half; chosen by judgment, and trained with

@@ -9,12 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cache
+from typing import Any
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.values import CHANNELS, Float, Index, frozen
+from facecrf_ocio.joint.edge_counts import EDGE_LEVELS, count_edges
+from facecrf_ocio.values import CHANNELS, Float, frozen
 
 LEVELS = 24  # of 10.6 codes each; chosen by judgment, and trained with
 SIZES = 3
@@ -31,7 +33,6 @@ RESIDUES = np.array(
     ]
 )
 """Smallest second difference of each bin, in 8-bit codes; by an eighth apart from twelve on."""
-EDGE_LEVELS = 8  # of 32 codes each, not much more than the faintest edge has
 # [px] down and right, by distance: 1, its diagonal, 2; a mosaic has a period of two.
 LAGS = ((0, 1), (1, 0)), ((1, 1),), ((0, 2), (2, 0))
 BLOCK = 8  # [px] side of a JPEG's blocks
@@ -43,12 +44,11 @@ _NEIGHBORS = np.ones((3, 3), np.uint8)  # a pixel and those whose second differe
 _NARROWEST = 3  # [px] the side of a second difference
 _LARGEST = 1023  # second differences of larger size count in the last bin
 _EDGE_SIZES = 2  # as stored and at half of it; chosen by judgment, and trained with
-_FAINTEST = 24  # codes between the two sides of an edge
-_FLAT = 0.15  # of that, which the sides themselves may rise by
 _MOST_DIFFERENCE = 32  # codes: what counts of a difference for blocks, lest edges outweigh all
 
 Codes = npt.NDArray[np.uint8]
 Bool = npt.NDArray[np.bool_]
+Signs = npt.NDArray[np.int8]
 Plane = npt.NDArray[np.uint8] | npt.NDArray[np.uint16]
 
 
@@ -175,13 +175,14 @@ class _Sums:
         white = _WHITE * 4**size
         planes = [_differences(channel, white, mask) for channel in channels]
         for channel, plane in enumerate(planes):
-            self.histograms[size, channel] += _histogram(plane, 2**size)
+            self.histograms[size, channel] += _histogram(plane, size)
+        signs, level = [plane.signs() for plane in planes], planes[_GREEN].level
         for number, (one, other) in enumerate(_PAIRS):
-            self.pairs[size, number] += _signs(planes[one], planes[other], planes[_GREEN].level)
+            self.pairs[size, number] += _agreements(signs[one], signs[other], level)
         if size < _EDGE_SIZES:
-            self.edges[size] += _edge_sums(channels[_GREEN], white)
+            self.edges[size] += count_edges(channels[_GREEN], white)
         if size == 0:
-            self.lags += _lag_signs(planes[_GREEN])
+            self.lags += _lag_agreements(signs[_GREEN], level)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -189,8 +190,12 @@ class _Differences:
     """Of each pixel inside a plane; `counted` is False where black or white is near."""
 
     residue: npt.NDArray[np.int32]
-    level: npt.NDArray[np.uint8]
+    level: Codes
     counted: Bool
+
+    def signs(self) -> Signs:
+        """Sign of each residue, 0 where it is 0 or not counted."""
+        return np.sign(self.residue, dtype=np.int32).astype(np.int8) * self.counted
 
 
 def _halved(plane: Plane) -> npt.NDArray[np.uint16]:
@@ -222,38 +227,37 @@ def _bin_of_residue() -> npt.NDArray[np.uint16]:
     return (np.searchsorted(RESIDUES, np.arange(_LARGEST + 1), side="right") - 1).astype(np.uint16)
 
 
-def _histogram(differences: _Differences, unit: int) -> Index:
-    """(L, R) counted pixels by level and absolute second difference over `unit`."""
-    counted = differences.counted
-    size = np.minimum(np.abs(differences.residue[counted]) // unit, _LARGEST)
-    cells = differences.level[counted] * np.uint16(RESIDUES.size) + _bin_of_residue()[size]
-    return np.bincount(cells, minlength=LEVELS * RESIDUES.size).reshape(LEVELS, -1)
+def _histogram(differences: _Differences, size: int) -> Float:
+    """(L, R) counted pixels by level and absolute second difference over 2**size."""
+    sizes = np.minimum(np.abs(differences.residue) >> size, _LARGEST)
+    cells = differences.level * np.uint16(RESIDUES.size) + _bin_of_residue()[sizes]
+    cells[~differences.counted] = LEVELS * RESIDUES.size
+    return _counts(cells, LEVELS * RESIDUES.size + 1)[:-1].reshape(LEVELS, -1)
 
 
-def _signs(one: _Differences, other: _Differences, level: npt.NDArray[np.uint8]) -> Index:
+def _counts(cells: Plane, number: int) -> Float:
+    """(number,) how often each is there; OpenCV counts integers some times as fast as NumPy."""
+    whole: Any = np.ascontiguousarray(cells)
+    found = cv2.calcHist([whole], [0], None, [number], [0, number])
+    return np.asarray(found.ravel(), np.float64)
+
+
+def _agreements(one: Signs, other: Signs, level: Codes) -> Float:
     """(2, L) pixels where both have the same sign, and where they have opposite ones."""
-    chosen = one.counted & other.counted & (one.residue != 0) & (other.residue != 0)
-    opposed = (one.residue < 0) ^ (other.residue < 0)
-    cells = level + np.uint8(LEVELS) * opposed
-    return np.bincount(cells[chosen], minlength=2 * LEVELS).reshape(2, LEVELS)
+    cells = (one * other + np.int8(1)).view(np.uint8) * np.uint8(LEVELS) + level
+    opposite, _, same = _counts(cells, 3 * LEVELS).reshape(3, LEVELS)
+    return np.stack([same, opposite])
 
 
-def _lag_signs(plane: _Differences) -> Index:
+def _lag_agreements(signs: Signs, level: Codes) -> Float:
     """(3, 2, L) as `NoiseCounts.lags`."""
-    found = np.zeros((len(LAGS), 2, LEVELS), np.intp)
-    height, width = plane.level.shape
+    found = np.zeros((len(LAGS), 2, LEVELS))
+    height, width = level.shape
     for number, lags in enumerate(LAGS):
         for down, right in lags:
-            if height <= down or width <= right:
-                continue
-            here, there = (
-                _Differences(plane.residue[s], plane.level[s], plane.counted[s])
-                for s in (
-                    (slice(0, height - down), slice(0, width - right)),
-                    (slice(down, None), slice(right, None)),
-                )
-            )
-            found[number] += _signs(here, there, here.level)
+            if height > down and width > right:
+                here = slice(0, height - down), slice(0, width - right)
+                found[number] += _agreements(signs[here], signs[down:, right:], level[here])
     return found
 
 
@@ -269,31 +273,3 @@ def _block_sums(green: Codes) -> Float:
         found[axis, :, 0] = np.bincount(place, rows, minlength=BLOCK)
         found[axis, :, 1] = np.bincount(place, minlength=BLOCK) * step.shape[1]
     return found
-
-
-def _edge_sums(plane: Plane, white: int) -> Float:
-    """(8, 8, 3) as one size of `NoiseCounts.edges`: steps within four pixels, flat on both sides.
-
-    In linear light a blur is as far from one side as from the other, so the mean of an edge's
-    middle pixels lies halfway on the average (after Lin and Zhang, CVPR 2005).
-    """
-    found = np.zeros((EDGE_LEVELS * EDGE_LEVELS, 3))
-    values = plane.astype(np.float32) * np.float32(_WHITE / white)
-    for p in (values, values.T):
-        if len(p) < 7:
-            continue
-        run = [p[i : len(p) - 6 + i] for i in range(7)]
-        rise = run[5] - run[1]
-        chosen = np.abs(rise) >= _FAINTEST
-        run = [r[chosen] for r in run]
-        rise = rise[chosen]
-        step = [(run[i + 1] - run[i]) / rise for i in range(6)]
-        steady = np.minimum.reduce(step[1:5]) >= 0.0
-        steady &= (np.abs(step[0]) <= _FLAT) & (np.abs(step[5]) <= _FLAT)
-        low, high = np.minimum(run[1], run[5])[steady], np.maximum(run[1], run[5])[steady]
-        middle = ((run[2] + run[3] + run[4])[steady] / 3.0 - low) / np.maximum(high - low, 1.0)
-        unit = (_WHITE + 1) / EDGE_LEVELS
-        cells = (low // unit).astype(np.intp) * EDGE_LEVELS + (high // unit).astype(np.intp)
-        for power in range(3):
-            found[:, power] += np.bincount(cells, middle**power, minlength=len(found))
-    return found.reshape(EDGE_LEVELS, EDGE_LEVELS, 3)

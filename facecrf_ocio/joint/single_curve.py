@@ -9,7 +9,6 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import BSpline
 
 from facecrf_ocio.settings import JointSettings
 from facecrf_ocio.values import Bool, Float, Lacking, Photo
@@ -21,6 +20,8 @@ _SIDE = 512  # [px] of the middle of the picture that is looked at, at its own s
 _SAMPLES = 192  # [px] of the long side at which color is looked at
 _FEWEST_SAMPLES = 512  # [px] thirty and more for each unknown of the spline
 _SEGMENTS = 16  # of the spline from brightness to color: one is 16 codes
+# The four uniform B-splines of a segment as polynomials of the place in it, from 0 to 1.
+_CUBIC = np.array([[1, -3, 3, -1], [4, 0, -6, 3], [1, 3, 3, -3], [0, 0, 0, 1]]) / 6.0
 _RIDGE = 1e-2  # [px] holds the spline at 0 where no pixel has that brightness
 # Shares of the long side at which color is compared with that beside it: JPEG's error does not
 # reach so far, and what has a color of its own does; the farther at least so many pixels.
@@ -134,14 +135,29 @@ def chroma_share(encoded: Float32) -> float:
 
 
 def _about_a_curve(luma: Float, color: Float) -> Float:
-    """(N, 2) what is left of color about a cubic spline over brightness."""
+    """(N, 2) what is left of color about a cubic spline over brightness.
+
+    By uniform B-splines, four of which are not 0 in each segment, and sums of powers of the place
+    in it; SciPy's splines take half a second to import.
+    """
     low, high = luma.min(), luma.max()
-    place = np.clip((luma - low) / max(high - low, 1.0), 0.0, 1.0)
-    knots = np.concatenate([np.zeros(3), np.linspace(0.0, 1.0, _SEGMENTS + 1), np.ones(3)])
-    basis = BSpline.design_matrix(place, knots, 3)
-    normal = (basis.T @ basis).toarray()
-    normal += _RIDGE * np.eye(len(normal))
-    return np.asarray(color - basis @ np.linalg.solve(normal, basis.T @ color))
+    place = np.clip((luma - low) / max(high - low, 1.0), 0.0, 1.0) * _SEGMENTS
+    segment = np.minimum(place.astype(np.intp), _SEGMENTS - 1)
+    powers = np.vander(place - segment, 7, increasing=True).T
+    sums = np.array([np.bincount(segment, power, _SEGMENTS) for power in powers])
+    squares = _CUBIC @ sums.T[:, np.add.outer(np.arange(4), np.arange(4))] @ _CUBIC.T
+    normal = _RIDGE * np.eye(_SEGMENTS + 3)
+    right = np.zeros((_SEGMENTS + 3, 2))
+    for channel, values in enumerate(color.T):
+        pulls = np.array([np.bincount(segment, power * values, _SEGMENTS) for power in powers[:4]])
+        for k, pull in enumerate((_CUBIC @ pulls).T):
+            right[k : k + 4, channel] += pull
+    for k, square in enumerate(squares):
+        normal[k : k + 4, k : k + 4] += square
+    found = np.linalg.solve(normal, right)
+    cubics = np.array([_CUBIC.T @ found[k : k + 4] for k in range(_SEGMENTS)])
+    curve = sum(power[:, None] * cubics[segment, k] for k, power in enumerate(powers[:4]))
+    return np.asarray(color - curve)
 
 
 def _shared(left: Float, usable: Bool, lag: int) -> float:
