@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import sqlite3
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from facecrf_ocio.errors import OutputError
+from facecrf_ocio.errors import OutputError, reason_of
 from facecrf_ocio.files.plain_text import plain_text
 
 _FULL = "free some space, or choose another folder"
@@ -36,8 +38,21 @@ def telling(path: Path) -> Iterator[None]:
         # Python 3.10 does not tell the code.
         code = getattr(error, "sqlite_errorcode", None)
         remedy = _ANY if code is None else _REMEDIES.get(code & 0xFF, _DAMAGED)
-        problem = f"{path}: the manifest cannot be used: {error}; {remedy}"
+        refused = _refusal(path.parent) if "unable to open" in str(error) else None
+        if refused is not None and refused.errno in (errno.ENOSPC, errno.EDQUOT):
+            remedy = _FULL
+        told = error if refused is None else reason_of(refused)
+        problem = f"{path}: the manifest cannot be used: {told}; {remedy}"
         raise OutputError(problem) from error
+
+
+def _refusal(folder: Path) -> OSError | None:
+    """Why a folder takes no further file, which SQLite does not tell; None if it takes one."""
+    try:
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        return error
+    return None
 
 
 @contextmanager

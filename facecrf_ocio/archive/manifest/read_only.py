@@ -122,6 +122,8 @@ def reading(folder: Path) -> Iterator[Reader]:
         raise OutputError(f"{folder}: has no {FILE}; name the folder a batch was written to")
     with telling(path), understanding(path), closing(_open(path)) as base:
         base.execute("BEGIN")
+        if base.execute("SELECT 1 FROM sqlite_master").fetchone() is None:
+            raise OutputError(f"{path}: has nothing in it yet; start the batch again, or wait")
         reader = Reader(base, path)
         if version_in(reader.about("schema")) > VERSION:
             raise OutputError(f"{path}: was written by a newer facecrf; update facecrf-ocio")
