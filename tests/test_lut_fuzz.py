@@ -4,19 +4,13 @@ from __future__ import annotations
 
 import os
 import random
-import time
 from collections import Counter
 from pathlib import Path
 
 import numpy as np
 import pytest
-from lut_files import (
-    CURVE,
-    LOG_TO_INFINITY,
-    MIXES,
-    matrix,
-    write_clf,
-)
+from file_cost import Meter
+from lut_files import CURVE, LOG_TO_INFINITY, MIXES, matrix, write_clf
 from mutations import mutated
 
 from facecrf_ocio.errors import LutError
@@ -28,7 +22,7 @@ from facecrf_ocio.values import InverseCRF
 
 SEED = int(os.environ.get("FACECRF_SEED", "0"))
 COUNT = int(os.environ.get("FACECRF_MUTATIONS", "300"))
-SECONDS = 2.0
+SECONDS, MEGABYTES = 2.0, 100.0
 GRAY = np.full((1, 2, 3), 0.4, np.float32)
 
 
@@ -71,23 +65,30 @@ def shortened(content: bytes) -> bytes:
 
 
 @pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/clear_refs").exists(), reason="costs are Linux's to tell")
 def test_damaged_files_end_in_findings_errors_or_results(tmp_path: Path) -> None:
     """`FACECRF_MUTATIONS` says how many; the documentation tells of 20,000."""
     rng = random.Random(SEED)  # noqa: S311 - damage is no secret
-    whole, ends, slow = seeds(tmp_path), Counter[str](), []
+    whole, ends, slow, large = seeds(tmp_path), Counter[str](), [], []
+    meter, costs = Meter(write_clf(tmp_path / "sound.clf", CURVE)), []
     for number in range(COUNT):
         suffix, content = rng.choice(whole)
         path = tmp_path / f"damaged{suffix}"
         path.write_bytes(mutated(content, rng))
-        start = time.process_time()
+        meter.begin()
         end = lint_end(path)
         ends[end] += 1
         if end != "cannot be used":  # what is, `apply` refuses by the same question
             ends[apply_end(path)] += 1
-        if time.process_time() - start > SECONDS:  # of a busy machine's own
-            slow.append((number, suffix))
-    print(dict(ends))
+        cost = meter.end()  # of both processes
+        costs.append(cost)
+        if cost.seconds > SECONDS:
+            slow.append((number, suffix, cost))
+        if cost.megabytes > MEGABYTES:
+            large.append((number, suffix, cost))
+    print(dict(ends), "at most", *map(max, zip(*costs, strict=True)))
     assert slow == []
+    assert large == []
 
 
 def lint_end(path: Path) -> str:

@@ -104,25 +104,56 @@ def test_lint_raises_no_false_alarm(peers: Path) -> None:
     assert published <= TRUE_FINDINGS
 
 
+def of_version_2(config: Path) -> Path:
+    """The config, or beside it what the message about profile version 1 says how to make of it."""
+    upgraded = read(config)
+    if upgraded.getMajorVersion() > 1:
+        return config
+    upgraded.upgradeToLatestVersion()
+    made = config.with_name(f"facecrf_{config.stem}_upgraded.ocio")
+    made.write_text(upgraded.serialize(), encoding="utf-8")
+    return made
+
+
+def merge_both_ways(config: Path, lut: Path, folder: Path) -> int:
+    """Merge a config in its own folder and into another; how many ways it can go."""
+    before = read(config)
+    reference = None if before.hasRole("aces_interchange") else "lin_rec709"
+    for output in (config.parent / "facecrf_own.ocio", folder / "other.ocio"):
+        try:
+            write_config([lut], output, merge=str(config), reference=reference, overwrite=True)
+            ways, unlike = lost(before, read(output))
+        finally:
+            output.unlink(missing_ok=True)
+            shutil.rmtree(output.with_name(f"{output.stem}_luts"), ignore_errors=True)
+        assert unlike == [], config
+    return ways
+
+
 def test_every_config_goes_on_after_a_merge(peers: Path, tmp_path: Path) -> None:
     lut = write_lut(InverseCRF(GRID, np.stack([GRID**2.2] * 3)), tmp_path / "p.spi1d")
-    merged, ways, told = 0, 0, Counter[str]()
-    for number, config in enumerate(sorted(peers.rglob("*.ocio"))):
-        for output in (config.parent / f"facecrf_{number}.ocio", tmp_path / f"{number}.ocio"):
-            try:
-                before = read(config)
-                has = before.hasRole("aces_interchange")
-                reference = None if has else "lin_rec709"
-                write_config([lut], output, merge=str(config), reference=reference, overwrite=True)
-                count, unlike = lost(before, read(output))
-            except (SettingsError, ocio.Exception) as error:
-                told[str(error).replace(str(config), "")[:120]] += 1
-                continue
-            finally:
-                if output.parent == config.parent:
-                    output.unlink(missing_ok=True)
-                    shutil.rmtree(output.parent / f"facecrf_{number}_luts", ignore_errors=True)
-            assert unlike == [], config
-            merged, ways = merged + 1, ways + count
-    print(f"{merged} merged, {ways} ways from or to their spaces unchanged; not merged: {told}")
+    merged: dict[str, int] = {}
+    for config in sorted(peers.rglob("*.ocio")):
+        name = str(config.relative_to(peers))
+        try:
+            read(config).validate()
+        except ocio.Exception as error:
+            print(f"{name}: not valid before: {str(error).strip()[:120]}")
+            continue
+        try:
+            whole = of_version_2(config)
+        except ocio.Exception as error:
+            print(f"{name}: cannot be upgraded: {str(error).strip()[:120]}")
+            continue
+        try:
+            if whole != config:
+                with pytest.raises(SettingsError, match="has profile version 1"):
+                    write_config([lut], tmp_path / "old.ocio", merge=str(config))
+            merged[name] = merge_both_ways(whole, lut, tmp_path)
+            upgraded = "" if whole == config else ", upgraded from profile version 1"
+            print(f"{name}: {merged[name]} ways unchanged in two merges{upgraded}")
+        finally:
+            if whole != config:
+                whole.unlink()
+    print(f"{len(merged)} configs, {sum(merged.values())} ways")
     assert merged
