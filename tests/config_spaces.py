@@ -33,9 +33,10 @@ def ways(config: Any) -> dict[tuple[str, ...], tuple[Any, ...]]:
 
     Spaces that the config hides are among them; named transforms run by themselves.
     """
-    linear = "scene_linear" if config.hasRole("scene_linear") else "default"
     forward = ocio.TRANSFORM_DIR_FORWARD
     every = ocio.SEARCH_REFERENCE_SPACE_ALL, ocio.COLORSPACE_ALL
+    roles = [role for role in ("scene_linear", "default") if config.hasRole(role)]
+    linear = next(iter([*roles, *config.getColorSpaceNames(*every)]))
     found: dict[tuple[str, ...], tuple[Any, ...]] = {}
     for name in config.getColorSpaceNames(*every):
         found["from", name] = (name, linear)

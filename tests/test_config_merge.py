@@ -26,6 +26,7 @@ from facecrf_ocio.values import Confidence, Estimate, InverseCRF, Outcome, Photo
 
 GAMMA = InverseCRF(GRID, np.stack([GRID**2.2] * 3))
 BUILT_IN = [name for name, *_ in ocio.BuiltinConfigRegistry().getBuiltinConfigs()]
+BLENDERS = "bpy/*/datafiles/colormanagement/config.ocio"
 STUDIO = """ocio_profile_version: 2
 {search}
 environment: {{SHOT: one, PLACE: luts}}
@@ -128,29 +129,37 @@ def test_profile_1_is_told_the_way(lut: Path, tmp_path: Path) -> None:
     assert "facecrf_p" in read(tmp_path / "n.ocio").getColorSpaceNames()
 
 
-def blender_config() -> Path:
-    """The config that Blender's wheel brings, here or in the hosts' environments."""
+def blender_configs() -> list[Path]:
+    """The configs that Blender's wheels bring, here or in the hosts' environments."""
     folders = [Path(folder) for folder in site.getsitepackages()]
     folders += sorted(CACHE.glob("bpy-*/lib/python*/site-packages"))
-    for folder in folders:
-        for found in sorted(folder.glob("bpy/*/datafiles/colormanagement/config.ocio")):
-            return found
-    pytest.skip("Blender's config is not here; install bpy into an environment of its own")
+    found = [path for folder in folders for path in sorted(folder.glob(BLENDERS))]
+    if not found:
+        pytest.skip("Blender's config is not here; install bpy into an environment of its own")
+    return found
 
 
 @pytest.mark.slow
-def test_blenders_own_config_goes_on(lut: Path, tmp_path: Path) -> None:
-    before, output = blender_config(), tmp_path / "new.ocio"
-    write_config([lut], output, merge=str(before))
-    after = read(output)
-    count, unlike = lost(read(before), after)
-    assert unlike == []
-    assert count > 30
-    assert "Non-Color" in after.getColorSpaceNames()
-    assert "AgX" in after.getViews("sRGB")
-    pixels = np.full((1, 3), 0.5, np.float32)
-    after.getProcessor("facecrf_p", "scene_linear").getDefaultCPUProcessor().applyRGB(pixels)
-    assert np.allclose(pixels, 0.5**2.2, atol=1e-4)
+def test_blenders_own_configs_go_on(lut: Path, tmp_path: Path) -> None:
+    for before in blender_configs():
+        output = tmp_path / "new.ocio"
+        if read(before).getMajorVersion() < 2:
+            with pytest.raises(SettingsError, match="has profile version 1"):
+                write_config([lut], output, merge=str(before))
+            continue
+        reference = None if read(before).hasRole("aces_interchange") else "lin_rec709"
+        write_config([lut], output, merge=str(before), reference=reference, overwrite=True)
+        after = read(output)
+        count, unlike = lost(read(before), after)
+        assert unlike == [], before
+        assert count > 60
+        print(f"{before}: {count} ways unchanged")
+        assert "Non-Color" in after.getColorSpaceNames()
+        assert "AgX" in after.getViews("sRGB")
+        pixels = np.full((1, 3), 0.5, np.float32)
+        to_linear = after.getProcessor("facecrf_p", "scene_linear")
+        to_linear.getDefaultCPUProcessor().applyRGB(pixels)
+        assert np.allclose(pixels, 0.5**2.2, atol=1e-4)
 
 
 class TestDescriptions:
