@@ -26,7 +26,9 @@ from facecrf_ocio.face.view import cut_face
 from facecrf_ocio.joint import shipped_joint
 from facecrf_ocio.joint.messages import COMBINED
 from facecrf_ocio.joint.metadata import modern_leaning, phone_leaning
+from facecrf_ocio.joint.prior import Posterior
 from facecrf_ocio.joint.statistics import CUES, face_statistics
+from facecrf_ocio.joint.verdict import deviations
 from facecrf_ocio.record.demand import Demand, demand
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.synthetic import SyntheticSpec, gamma_curve, photograph, render_face
@@ -246,3 +248,17 @@ def test_weights_stay_small():
     networks = shipped_joint().networks.members
     count = sum(w.size + b.size for m in networks.values() for n in m for w, b in n.layers)
     assert 2 * count < 2_000_000  # stored in half precision
+
+
+def test_a_sure_curve_keeps_the_band_that_channels_differ_by():
+    """Red, green and blue of films and cameras lie about 2 % of white apart in the midtones."""
+    prior = shipped_joint().prior
+    size = prior.means.shape[1]
+    sure = Posterior(np.ones(1), np.zeros((1, size)), 1e-12 * np.eye(size)[None])
+    band = deviations(sure, prior, 1.0)
+    at = np.interp([32 / 255, 128 / 255, 192 / 255], prior.grid, band)
+    assert np.all((at > [0.003, 0.014, 0.02]) & (at < [0.012, 0.026, 0.04]))
+    vague = Posterior(np.ones(1), np.zeros((1, size)), np.eye(size)[None])
+    assert np.allclose(
+        deviations(vague, prior, 1.2) ** 2, (1.2 * prior.deviations(vague)) ** 2 + band**2
+    )

@@ -18,7 +18,7 @@ from facecrf_ocio.joint.fuse import average, multiply, widened
 from facecrf_ocio.joint.known_response import KnownResponse, known_response
 from facecrf_ocio.joint.messages import COMBINED, Networks, networks_of
 from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior, prior_of
-from facecrf_ocio.joint.verdict import doubted, judge, verdict_of
+from facecrf_ocio.joint.verdict import deviations, doubted, judge, verdict_of
 from facecrf_ocio.response.coverage import coverage_at
 from facecrf_ocio.response.model import inverse_crf, strictly_increasing
 from facecrf_ocio.values import (
@@ -267,8 +267,8 @@ def _confidence(
     outvoted: tuple[str, ...],
 ) -> Confidence:
     prior = model.prior
-    sigma = np.interp(found.encoded, prior.grid, prior.deviations(posterior))
-    sigma = np.tile(model.band_scale * sigma, (len(CHANNELS), 1))
+    sigma = deviations(posterior, prior, model.band_scale)
+    sigma = np.tile(np.interp(found.encoded, prior.grid, sigma), (len(CHANNELS), 1))
     if not telling:
         nothing = "nothing in the photo was used: this is the prior's mean and spread"
         in_stops, _ = judge(posterior, found, prior, model.band_scale, model.stops_scale)
