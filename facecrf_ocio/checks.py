@@ -68,6 +68,13 @@ def unit_floats(values: npt.ArrayLike) -> npt.NDArray[Any]:
     return given
 
 
+def encoded_of(codes: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
+    """8-bit code values (H, W, C) divided by their maximum."""
+    import cv2  # noqa: PLC0415 - heavy, and only for those who work on photos
+
+    return np.asarray(cv2.LUT(codes, np.asarray(np.arange(256) / 255, np.float32)))
+
+
 def checked_pixels(
     given: npt.ArrayLike, path: Path | None, *, scene_linear: bool
 ) -> npt.NDArray[np.float32]:

@@ -5,8 +5,9 @@ What goes in stands here, what comes out in `estimates.py`; all are known by thi
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +20,7 @@ from facecrf_ocio.checks import (
     check_primaries,
     checked_alpha,
     checked_pixels,
+    encoded_of,
     frozen,
 )
 from facecrf_ocio.errors import SettingsError
@@ -166,6 +168,9 @@ class Photo:
         What the file says was done after the camera, in clauses.
     notes
         What reading mended, chosen or set aside, in clauses; empty for a file without a flaw.
+    codes
+        (H, W, 3) uint8 that `encoded` was made of, or will be when it is asked for; None where the
+        file has others, or alpha. See `of_codes`.
     """
 
     encoded: npt.NDArray[np.float32]
@@ -181,9 +186,52 @@ class Photo:
     gain_map: GainMap | None = None
     edits: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    codes: npt.NDArray[np.uint8] | None = field(default=None, init=False, repr=False)
+
+    @classmethod
+    def of_codes(cls, codes: npt.NDArray[np.uint8], **told: Any) -> Photo:
+        """A photo of 8-bit code values (H, W, 3), a quarter of what `encoded` takes.
+
+        Most of the package looks at the codes; `encoded` is made when it is asked for, and kept.
+        """
+        photo = cls(np.zeros((1, 1, 3), np.float32), 8, **told)
+        object.__setattr__(photo, "codes", frozen(codes, np.uint8))
+        object.__delattr__(photo, "encoded")
+        return photo
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """Make `encoded` of the codes; of all attributes it alone may not be there yet."""
+            if name != "encoded":
+                raise AttributeError(f"a Photo has no attribute {name!r}")
+            object.__setattr__(self, "encoded", frozen(encoded_of(self.codes), np.float32))
+            return self.encoded
+
+    @property
+    def pixels(self) -> npt.NDArray[np.uint8] | npt.NDArray[np.float32]:
+        """(H, W, 3) `codes` where there are some, else `encoded`."""
+        return self.encoded if self.codes is None else self.codes
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Height, width, and 3."""
+        height, width, channels = self.pixels.shape
+        return height, width, channels
+
+    def but(self, **told: Any) -> Photo:
+        """The same pixels of which something else is told, such as `primaries`."""
+        if self.codes is None:
+            return replace(self, **told)
+        kept = {
+            item.name: getattr(self, item.name)
+            for item in fields(self)
+            if item.init and item.name not in ("encoded", "bit_depth")
+        }
+        return Photo.of_codes(self.codes, **{**kept, **told})
 
     def __repr__(self) -> str:
-        height, width = self.encoded.shape[:2]
+        height, width, _ = self.shape
         name = "in memory" if self.path is None else self.path.name
         kind = "scene-linear" if self.scene_linear else f"{self.bit_depth} bits"
         kind = kind if self.bit_depth or self.scene_linear else "floats"

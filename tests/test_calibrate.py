@@ -241,3 +241,14 @@ def test_a_natural_portrait_gives_a_curve_that_is_better_than_none(seed):
     identity = np.sqrt(((CODES - CODES**2.2) ** 2).mean())
     assert found.outcome is Outcome.CALIBRATED
     assert error < identity
+
+
+def test_integer_codes_give_the_estimate_of_the_floats_that_they_stand_for(portrait):
+    codes = np.rint(portrait.encoded * 255).astype(np.uint8)
+    of_codes = Photo.of_codes(codes)
+    found = calibrate(of_codes)
+    with pytest.raises(AttributeError):  # no cue needed all pixels as floats
+        Photo.__dict__["encoded"].__get__(of_codes)
+    expected = calibrate(Photo(of_codes.encoded, bit_depth=8))
+    assert np.array_equal(found.curve.linear, expected.curve.linear)
+    assert np.array_equal(found.confidence.sigma, expected.confidence.sigma)

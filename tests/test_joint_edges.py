@@ -6,8 +6,9 @@ import cv2
 import numpy as np
 import pytest
 
+from facecrf_ocio.joint.edge_counts import EDGE_LEVELS
 from facecrf_ocio.joint.edges import edge_profile
-from facecrf_ocio.joint.noise_counts import EDGE_LEVELS, count_noise
+from facecrf_ocio.joint.noise_counts import count_noise
 
 PAIRS = EDGE_LEVELS * (EDGE_LEVELS - 1) // 2
 

@@ -323,3 +323,40 @@ def test_an_estimate_goes_from_process_to_process():
     for again in (pickle.loads(pickle.dumps(found)), copy.deepcopy(found), replace(found)):  # noqa: S301
         assert again.energy == {"pigment": 1.0}
         assert again.outcome is Outcome.CALIBRATED
+
+
+EIGHT = np.random.default_rng(0).integers(0, 256, (40, 30, 3), np.uint8)
+
+
+def test_a_photo_of_codes_makes_its_encoded_values_when_they_are_asked_for():
+    photo = Photo.of_codes(EIGHT, grayscale=False)
+    assert (photo.shape, photo.bit_depth) == ((40, 30, 3), 8)
+    assert photo.pixels is photo.codes
+    assert np.array_equal(photo.encoded, (EIGHT / 255).astype(np.float32))
+    assert photo.encoded is photo.encoded
+    assert not photo.encoded.flags.writeable
+    with pytest.raises(AttributeError, match="nothing"):
+        _ = photo.nothing
+
+
+def test_the_codes_of_a_photo_are_its_own():
+    codes = EIGHT.copy()
+    photo = Photo.of_codes(codes)
+    codes[:] = 0
+    assert np.array_equal(photo.codes, EIGHT)
+
+
+def test_a_photo_with_other_pixels_has_other_codes_or_none():
+    photo = Photo.of_codes(EIGHT, edits=("cropped",))
+    same = photo.but(grayscale=True)
+    assert same.codes is not None
+    assert (same.edits, same.grayscale) == (("cropped",), True)
+    other = replace(photo, encoded=np.zeros((2, 2, 3), np.float32))
+    assert other.codes is None
+    assert not other.encoded.any()
+
+
+def test_a_photo_of_codes_goes_from_process_to_process():
+    photo = pickle.loads(pickle.dumps(Photo.of_codes(EIGHT)))  # noqa: S301
+    assert np.array_equal(photo.codes, EIGHT)
+    assert np.array_equal(photo.encoded, (EIGHT / 255).astype(np.float32))

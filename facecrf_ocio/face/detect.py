@@ -13,15 +13,19 @@ import numpy.typing as npt
 from facecrf_ocio.face.blazeface import detect_blazeface
 from facecrf_ocio.face.candidate import Candidate, drop_duplicates
 from facecrf_ocio.face.landmarks import fit_landmarks
-from facecrf_ocio.face.pyramid import Pyramid, build_pyramid
+from facecrf_ocio.face.pyramid import Pyramid
 from facecrf_ocio.face.tone import Tone, brightening_tone
 from facecrf_ocio.face.yunet import detect_yunet
+from facecrf_ocio.photo.pixels import Pixels, code_values
 from facecrf_ocio.settings import FaceSettings
 from facecrf_ocio.values import Face, Float
 
 # A face this wide [px] on the half-size copy is the one that counts: any that only the full-size
 # copy would show is less than half as wide.
 _WIDE_ENOUGH = 40
+# [px] of the quarter-size copy, a fifth of it: a face too large for the detector to see it on the
+# half-size copy. It, too, ends the search, before the full-size copy, where it cannot be seen.
+_FILLS_MUCH = 60
 # A second look meets mostly photos without a face, so it must be surer than the first.
 _RETRY_SCORE = 0.8
 _RETRY_BLAZEFACE_SCORE = 0.65  # on clear faces YuNet says 0.9 and BlazeFace 0.7 to 0.9
@@ -55,9 +59,7 @@ class _Look:
     turned: bool = False
 
 
-def find_faces(
-    encoded: npt.NDArray[np.float32], settings: FaceSettings, most: int | None = None
-) -> FoundFaces:
+def find_faces(pixels: Pixels, settings: FaceSettings, most: int | None = None) -> FoundFaces:
     """Find all faces of a photo, or the widest ones.
 
     YuNet looks first. If it sees nothing, further looks follow until one succeeds: at a brightened
@@ -67,15 +69,15 @@ def find_faces(
 
     Parameters
     ----------
-    encoded
-        (H, W, 3) RGB in [0, 1].
+    pixels
+        (H, W, 3) RGB in [0, 1], or in 8 bits.
     settings
         `detection_long_side`, `min_face_score` and `min_face_width` (in pixels of the photo).
     most
         As many faces as are wanted; no landmarks are fitted to narrower ones. All by default.
     """
     side = settings.detection_long_side
-    pyramid = build_pyramid(encoded, side, max(1, side // 2), max(1, side // 4))
+    pyramid = Pyramid(pixels, side, max(1, side // 2), max(1, side // 4))
     for look in _looks(pyramid, settings):
         found = _examine(pyramid, look, settings.min_face_width, most)
         if found.faces or found.too_small:
@@ -111,13 +113,13 @@ def _looks(pyramid: Pyramid, settings: FaceSettings) -> Iterator[_Look]:
     half = pyramid.level_within(settings.detection_long_side // 2)
     yield _Look(_search(pyramid, (half, full), None, settings.min_face_score), None)
 
-    tone = brightening_tone(pyramid.levels[-1])
     score = max(settings.min_face_score, _RETRY_SCORE)
+    tone = brightening_tone(code_values(pyramid.level(len(pyramid) - 1), 8))
     if tone is not None:
         yield _Look(_wide(_search(pyramid, (half, full), tone, score)), tone)
-    yield _Look(_wide(_search_level(pyramid, len(pyramid.levels) - 1, tone, score)), tone)
+    yield _Look(_wide(_search_level(pyramid, len(pyramid) - 1, tone, score)), tone)
 
-    pixels = _eight_bit(pyramid.levels[half], tone)
+    pixels = _eight_bit(pyramid.level(half), tone)
     seen = detect_blazeface(pixels, _RETRY_BLAZEFACE_SCORE)
     yield _Look(_wide(_to_photo(pyramid, half, seen)), tone)
     for degrees in _TURNS:
@@ -135,13 +137,18 @@ def _search(
     wide_enough = _WIDE_ENOUGH / pyramid.scale_xy(half)[0]
     if full == half or any(candidate.width >= wide_enough for candidate in seen):
         return seen
+    last = len(pyramid) - 1
+    large = _search_level(pyramid, last, tone, max(min_score, _RETRY_SCORE))
+    large = _wide(large, _FILLS_MUCH / pyramid.scale_xy(last)[0])
+    if large:
+        return large
     return drop_duplicates((*seen, *_search_level(pyramid, full, tone, min_score)))
 
 
 def _search_level(
     pyramid: Pyramid, level: int, tone: Tone | None, min_score: float
 ) -> tuple[Candidate, ...]:
-    pixels = _eight_bit(pyramid.levels[level], tone)
+    pixels = _eight_bit(pyramid.level(level), tone)
     return _to_photo(pyramid, level, detect_yunet(pixels, min_score))
 
 
@@ -153,12 +160,17 @@ def _to_photo(
     return tuple(candidate.transform(to_photo) for candidate in candidates)
 
 
-def _wide(candidates: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
-    return tuple(candidate for candidate in candidates if candidate.width >= _RETRY_WIDTH)
+def _wide(
+    candidates: tuple[Candidate, ...], at_least: float = _RETRY_WIDTH
+) -> tuple[Candidate, ...]:
+    return tuple(candidate for candidate in candidates if candidate.width >= at_least)
 
 
-def _eight_bit(level: npt.NDArray[np.float32], tone: Tone | None) -> npt.NDArray[np.uint8]:
-    encoded = level if tone is None else tone.apply(level)
+def _eight_bit(level: Pixels, tone: Tone | None) -> npt.NDArray[np.uint8]:
+    if level.dtype == np.uint8 and tone is None:
+        return level
+    encoded = code_values(level, 8)
+    encoded = encoded if tone is None else tone.apply(encoded)
     return np.asarray(np.clip(encoded, 0.0, 1.0) * 255.0 + 0.5, dtype=np.uint8)
 
 

@@ -12,6 +12,7 @@ from facecrf_ocio.face.candidate import Candidate
 from facecrf_ocio.face.networks import load_network
 from facecrf_ocio.face.pyramid import Pyramid
 from facecrf_ocio.face.tone import Tone
+from facecrf_ocio.photo.pixels import Pixels, code_values
 from facecrf_ocio.values import Float
 
 _SIDE = 256  # [px] of the network's square input
@@ -129,14 +130,26 @@ def _crop(pyramid: Pyramid, to_photo: Float) -> npt.NDArray[np.float32]:
     to_level = to_photo * scale_xy[:, None]
     # OpenCV counts from the center of the first pixel, we from its corner.
     to_level[:, 2] += to_level[:, :2] @ np.full(2, 0.5) - 0.5
+    part, corner = _around(pixels, to_level)
+    to_level[:, 2] -= corner
     crop = cv2.warpAffine(
-        pixels,
+        part,
         to_level,
         (_SIDE, _SIDE),
         flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
         borderMode=cv2.BORDER_REPLICATE,
     )
     return np.asarray(np.clip(crop, 0.0, 1.0), dtype=np.float32)
+
+
+def _around(pixels: Pixels, to_level: Float) -> tuple[npt.NDArray[np.float32], Float]:
+    """The part of an image that a crop is taken from, as encoded values, and its corner (2,)."""
+    corners = to_level @ np.array([[0, _SIDE, 0, _SIDE], [0, 0, _SIDE, _SIDE], [1, 1, 1, 1]])
+    last = np.array(pixels.shape[1::-1]) - 1
+    low = np.clip(np.floor(corners.min(axis=1)) - 2, 0, last).astype(int)
+    high = np.clip(np.ceil(corners.max(axis=1)) + 2, low, last).astype(int)
+    part = pixels[low[1] : high[1] + 1, low[0] : high[0] + 1]
+    return code_values(part, 8), low
 
 
 def _run(crop: npt.NDArray[np.float32]) -> tuple[Float, float]:

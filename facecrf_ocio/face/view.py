@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.face.geometry import FaceGeometry, face_geometry
-from facecrf_ocio.photo.pixels import in_8_bits
+from facecrf_ocio.photo.pixels import Pixels, code_values, in_8_bits
 from facecrf_ocio.settings import FaceSettings
 from facecrf_ocio.values import Face, Photo
 
@@ -45,12 +45,12 @@ def cut_face(
 
     With `to_8_bits` it is rounded to 8 bits before it is scaled.
     """
-    height, width = photo.encoded.shape[:2]
+    height, width, _ = photo.shape
     points = face.landmarks_xyz[:, :2]
     margin = 0.05 * face.box_xy[2]
     left, top = np.maximum(np.floor(points.min(axis=0) - margin), 0).astype(int)
     right, bottom = np.ceil(points.max(axis=0) + margin).astype(int)
-    cut = photo.encoded[top : min(bottom, height), left : min(right, width)]
+    cut = photo.pixels[top : min(bottom, height), left : min(right, width)]
     face_width = float(np.ptp(points[:, 0]))
     scale = min(1.0, settings.face_width / face_width)
     size = (max(1, round(cut.shape[1] * scale)), max(1, round(cut.shape[0] * scale)))
@@ -63,10 +63,9 @@ def cut_face(
     return FaceView(face, np.asarray(encoded, np.float32), geometry, frame)
 
 
-def _scaled(
-    channel: npt.NDArray[np.float32], size: tuple[int, int], *, to_8_bits: bool
-) -> npt.NDArray[np.float32]:
-    channel = in_8_bits(channel) if to_8_bits else np.ascontiguousarray(channel)
+def _scaled(channel: Pixels, size: tuple[int, int], *, to_8_bits: bool) -> npt.NDArray[np.float32]:
+    channel = np.ascontiguousarray(channel)
+    channel = in_8_bits(channel) if to_8_bits else code_values(channel, 8)
     if channel.shape == size[::-1]:
         return channel
     return np.asarray(cv2.resize(channel, size, interpolation=cv2.INTER_AREA), np.float32)

@@ -94,7 +94,7 @@ def linear_rows(photo: Photo, lookup: Lookup, *, half: bool = True) -> Rows:
         Gives the rows from `begin` to `end`, (end - begin, W, 3); the next call reuses the memory.
     """
     dtype = np.float16 if half and photo.alpha is None else np.float32
-    buffer = np.empty((0, *photo.encoded.shape[1:]), dtype)
+    buffer = np.empty((0, *photo.shape[1:]), dtype)
 
     def rows(begin: int, end: int) -> Pixels:
         nonlocal buffer
@@ -150,7 +150,7 @@ def write_exr(
         If it exists and `overwrite` is false, or cannot be written.
     """
     path = Path(path)
-    shape = photo.encoded.shape
+    shape = photo.shape
     if not callable(linear) and linear.shape != shape:
         raise SettingsError(f"{linear.shape} pixels do not belong to a {shape} photo")
     if path.suffix.lower() != ".exr":
@@ -173,7 +173,7 @@ def write_exr(
 
 
 def _whole(photo: Photo, lookup: Lookup) -> Float32:
-    result = np.empty_like(photo.encoded)
+    result = np.empty(photo.shape, np.float32)
     for begin in range(0, len(result), _BAND):
         end = min(begin + _BAND, len(result))
         _look_up(photo, lookup, begin, end, result[begin:end])
@@ -185,7 +185,10 @@ def _look_up(photo: Photo, lookup: Lookup, begin: int, end: int, out: Pixels) ->
 
     Photos with alpha may hold values between codes, where their file had them multiplied by it.
     """
-    band, bits = photo.encoded[begin:end], photo.bit_depth
+    bits = photo.bit_depth
+    if photo.codes is not None and not photo.scene_linear:
+        return lookup.apply(photo.codes[begin:end], out=out)
+    band = photo.encoded[begin:end]
     if bits is None or bits > _LARGEST_TABLE or photo.alpha is not None or photo.scene_linear:
         return lookup.apply(band, out=out)
     if bits == 8:

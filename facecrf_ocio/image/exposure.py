@@ -8,6 +8,7 @@ import numpy as np
 
 from facecrf_ocio.errors import PhotoError, SettingsError
 from facecrf_ocio.image.cheek import LUMINANCE, lit_cheek
+from facecrf_ocio.photo.pixels import code_values
 from facecrf_ocio.values import InverseCRF, Photo
 
 GRAY, SKIN = "gray", "skin"
@@ -104,7 +105,7 @@ def _judged(cheek: float) -> float:
 
 
 def _mean_luminance(photo: Photo, curve: InverseCRF) -> float:
-    pixels = photo.encoded[::_STEP, ::_STEP]
+    pixels = code_values(np.ascontiguousarray(photo.pixels[::_STEP, ::_STEP]), 8)
     linear = pixels if photo.scene_linear else curve.linearize(pixels)
     luminance = np.maximum(linear @ LUMINANCE, _DARKEST)
     return float(np.exp(np.log(luminance).mean()))

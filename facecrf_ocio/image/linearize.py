@@ -62,7 +62,7 @@ def write_linear(
         linear = _scaled(linear, 2.0**stops)
         provenance = {**provenance, "exposure": f"{stops:+.3f} stops ({exposure.told})"}
     if photo.named_curve:
-        photo = replace(photo, primaries=_of_display(photo))
+        photo = photo.but(primaries=_of_display(photo))
     beside = {CHANNEL: sigma_rows(photo, estimate, 2.0**stops)} if uncertainty else None
     if space:
         linear, photo = _in_space(linear, photo, space)
@@ -105,7 +105,7 @@ def write_through_lut(
     return write_exr(
         path,
         linear_rows(photo, lookup, half=half),
-        replace(photo, primaries=lookup.leads_to(photo.primaries)),
+        photo.but(primaries=lookup.leads_to(photo.primaries)),
         provenance=of_lut(photo, lut, direction or "linearize"),
         half=half,
         compression=compression,
@@ -137,4 +137,4 @@ def _in_space(linear: Pixels | Rows, photo: Photo, space: str) -> tuple[Rows, Ph
 
     before = "assumed Rec.709" if photo.primaries is None else photo.primaries.name
     primaries = replace(working_primaries(space), source=f"conversion from {before}")
-    return rows, replace(photo, primaries=primaries)
+    return rows, photo.but(primaries=primaries)

@@ -153,15 +153,15 @@ class Observation:
 
 def observe(photo: Photo, settings: JointSettings) -> Observation | Lacking:
     """Statistics of one photo and its largest face, or why there are none."""
-    if photo.grayscale and photo.encoded.min() == photo.encoded.max():
+    if photo.grayscale and photo.pixels.min() == photo.pixels.max():
         return Lacking("all pixels have one color", "use a photo with a face")
     if photo.grayscale:
         return Lacking("the photo is grayscale, and skin shows its response only in color", _COLOR)
-    found = find_faces(photo.encoded, settings, most=1)
+    found = find_faces(photo.pixels, settings, most=1)
     if not found.faces:
         return lacking_faces(found, settings)
     face = found.faces[0]
-    unfit = no_photograph(photo.encoded, face.box_xy, settings)
+    unfit = no_photograph(photo.pixels, face.box_xy, settings)
     if unfit is not None:
         return unfit
     # The networks know 8-bit photos: rounding is part of the noise they learned from.
@@ -171,7 +171,7 @@ def observe(photo: Photo, settings: JointSettings) -> Observation | Lacking:
     if of_face is None:
         return Lacking("the face shows too little skin of one hue", _LARGER)
     counted = counted_statistics(
-        photo_counts(photo.encoded), skin_counts(photo.encoded, view, of_face.skin)
+        photo_counts(photo.pixels), skin_counts(photo.pixels, view, of_face.skin)
     )
     return Observation(replace(of_face, by_cue={**counted, **of_face.by_cue}), face)
 

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.joint.edge_counts import EDGE_LEVELS, count_edges
+from facecrf_ocio.photo.pixels import Pixels, eight_bit
 from facecrf_ocio.values import CHANNELS, Float, frozen
 
 LEVELS = 24  # of 10.6 codes each; chosen by judgment, and trained with
@@ -90,7 +91,7 @@ class NoiseCounts:
 
 
 def count_noise(
-    windows: Sequence[npt.NDArray[np.float32]],
+    windows: Sequence[Pixels],
     masks: Sequence[Bool] | None = None,
     weights: Sequence[float] | None = None,
 ) -> NoiseCounts:
@@ -99,7 +100,7 @@ def count_noise(
     Parameters
     ----------
     windows
-        Encoded values; each begins where a JPEG's block does.
+        Encoded values, or codes of 8 bits; each begins where a JPEG's block does.
     masks
         (H, W) pixels to count, by their middle; all if None. Codes, blocks and edges are counted
         all the same.
@@ -108,9 +109,8 @@ def count_noise(
     """
     total = _Sums.zeros()
     for number, window in enumerate(windows):
-        codes = np.asarray(cv2.convertScaleAbs(window, alpha=_WHITE), np.uint8)
         own = _Sums.zeros()
-        own.count(codes, None if masks is None else masks[number])
+        own.count(eight_bit(window), None if masks is None else masks[number])
         total.add(own, 1.0 if weights is None else weights[number])
     return NoiseCounts(*(getattr(total, item.name) for item in fields(total)))
 

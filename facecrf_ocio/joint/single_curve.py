@@ -10,10 +10,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from facecrf_ocio.photo.pixels import Pixels, code_values, eight_bit
 from facecrf_ocio.settings import JointSettings
 from facecrf_ocio.values import Bool, Float, Lacking, Photo
-
-Float32 = npt.NDArray[np.float32]
 
 _GAIN_SIDE, _GAIN_BINS = 256, 64  # [px] and brightnesses at which a gain map is looked at
 _SIDE = 512  # [px] of the middle of the picture that is looked at, at its own size
@@ -33,25 +32,25 @@ _FEWEST_PIXELS = 1024  # as many as 32 by 32, of which a share is certain to 2 %
 _ORIGINAL = "use the picture as the camera wrote it"
 
 
-def no_photograph(encoded: Float32, box_xy: Float, settings: JointSettings) -> Lacking | None:
+def no_photograph(pixels: Pixels, box_xy: Float, settings: JointSettings) -> Lacking | None:
     """Why a picture's pixels are no camera's; None where they may be.
 
     Parameters
     ----------
-    encoded
-        (H, W, 3) code values in [0, 1].
+    pixels
+        (H, W, 3) code values in [0, 1], or of 8 bits.
     box_xy
         (4,) x, y, width, height [px] of the face, which shows whether it was drawn.
     """
-    if encoded.shape[0] * encoded.shape[1] < _FEWEST_PIXELS:
+    if pixels.shape[0] * pixels.shape[1] < _FEWEST_PIXELS:
         return None
-    if distinct_colors(middle_codes(encoded)) < settings.fewest_colors:
+    if distinct_colors(middle_codes(pixels)) < settings.fewest_colors:
         return Lacking("the picture has the few colors of a palette", _ORIGINAL)
     left, top = (max(int(edge), 0) for edge in box_xy[:2])
     right, bottom = (int(edge) for edge in box_xy[:2] + box_xy[2:])
-    if flat_share(middle_codes(encoded[top:bottom, left:right])) > settings.most_flat:
+    if flat_share(middle_codes(pixels[top:bottom, left:right])) > settings.most_flat:
         return Lacking("the face is drawn: most of its pixels equal their neighbors", _ORIGINAL)
-    if chroma_share(encoded) < settings.least_chroma:
+    if chroma_share(pixels) < settings.least_chroma:
         return Lacking("the photo has one hue: no pigments to look at", _ORIGINAL)
     return None
 
@@ -66,8 +65,8 @@ def gain_scatter(photo: Photo) -> float:
     found = photo.gain_map
     if found is None:
         return 0.0
-    scale = _GAIN_SIDE / max(photo.encoded.shape[:2])
-    size = tuple(max(1, round(edge * scale)) for edge in photo.encoded.shape[1::-1])
+    scale = _GAIN_SIDE / max(photo.shape[:2])
+    size = tuple(max(1, round(edge * scale)) for edge in photo.shape[1::-1])
     encoded = cv2.resize(photo.encoded, size, interpolation=cv2.INTER_AREA).max(axis=2).ravel()
     values = cv2.resize(found.values, size, interpolation=cv2.INTER_AREA).mean(axis=2).ravel()
     gain = found.low.mean() + (found.high - found.low).mean() * values ** (1 / found.gamma.mean())
@@ -77,11 +76,10 @@ def gain_scatter(photo: Photo) -> float:
     return float(high - low) / 2
 
 
-def middle_codes(encoded: Float32) -> npt.NDArray[np.uint8]:
+def middle_codes(pixels: Pixels) -> npt.NDArray[np.uint8]:
     """(h, w, 3) the middle of a picture in 8 bits, at most 512 px on a side."""
-    top, left = (max(0, (size - _SIDE) // 2) for size in encoded.shape[:2])
-    part = encoded[top : top + _SIDE, left : left + _SIDE]
-    return np.asarray(np.rint(part * 255), np.uint8)
+    top, left = (max(0, (size - _SIDE) // 2) for size in pixels.shape[:2])
+    return eight_bit(pixels[top : top + _SIDE, left : left + _SIDE])
 
 
 def distinct_colors(codes: npt.NDArray[np.uint8]) -> int:
@@ -109,7 +107,7 @@ def _packed(codes: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint32]:
     return np.asarray(wide[..., 0] << 16 | wide[..., 1] << 8 | wide[..., 2], np.uint32)
 
 
-def chroma_share(encoded: Float32) -> float:
+def chroma_share(pixels: Pixels) -> float:
     """How much color a picture has that its brightness does not tell; infinite of too few pixels.
 
     A toned photo has one color at each brightness: a curve in color space. What is left about a
@@ -118,15 +116,16 @@ def chroma_share(encoded: Float32) -> float:
     apart share, over the spread of brightness, times the squared odds of what near pixels share
     against what they do not.
     """
-    long = max(encoded.shape[:2])
+    long = max(pixels.shape[:2])
     step = max(1, long // _SAMPLES)
-    pixels = 255.0 * np.asarray(encoded[::step, ::step], np.float64)
-    usable = (pixels.min(axis=2) > _CLIPPED[0]) & (pixels.max(axis=2) < _CLIPPED[1])
+    part = np.ascontiguousarray(pixels[::step, ::step])
+    codes = 255.0 * np.asarray(code_values(part, 8), np.float64)
+    usable = (codes.min(axis=2) > _CLIPPED[0]) & (codes.max(axis=2) < _CLIPPED[1])
     if usable.sum() < _FEWEST_SAMPLES:
         return np.inf
-    luma = pixels @ _LUMA
+    luma = codes @ _LUMA
     left = np.zeros((*luma.shape, 2))
-    left[usable] = _about_a_curve(luma[usable], (pixels[..., (0, 2)] - luma[..., None])[usable])
+    left[usable] = _about_a_curve(luma[usable], (codes[..., (0, 2)] - luma[..., None])[usable])
     near = _shared(left, usable, max(1, round(_NEAR * long / step)))
     far = _shared(left, usable, max(1, round(max(_FAR * long, _LEAST_FAR) / step)))
     whole = float((left[usable] ** 2).sum(axis=1).mean())

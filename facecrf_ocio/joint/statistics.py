@@ -25,6 +25,7 @@ from facecrf_ocio.joint.grain import measure_noise, noise_curve
 from facecrf_ocio.joint.noise_counts import LEVELS, NoiseCounts, count_noise
 from facecrf_ocio.joint.texture import noise_character
 from facecrf_ocio.joint.windows import Window, face_windows, photo_windows
+from facecrf_ocio.photo.pixels import Pixels
 from facecrf_ocio.settings import FaceSettings
 from facecrf_ocio.values import Bool, Float, frozen
 
@@ -66,26 +67,24 @@ class Statistics:
     skin: Bool
 
 
-def photo_counts(encoded: npt.NDArray[np.float32]) -> NoiseCounts:
-    """What the windows of a whole photo (H, W, 3) hold; it needs no face."""
-    return count_noise([encoded[window] for window in photo_windows(*encoded.shape[:2])])
+def photo_counts(pixels: Pixels) -> NoiseCounts:
+    """What the windows of a whole photo hold, (H, W, 3) encoded or in 8 bits; it needs no face."""
+    return count_noise([pixels[window] for window in photo_windows(*pixels.shape[:2])])
 
 
-def skin_counts(
-    encoded: npt.NDArray[np.float32], view: FaceView, skin: npt.NDArray[np.bool_]
-) -> NoiseCounts:
+def skin_counts(pixels: Pixels, view: FaceView, skin: npt.NDArray[np.bool_]) -> NoiseCounts:
     """What the windows of a face hold where they show skin.
 
     Parameters
     ----------
-    encoded
-        (H, W, 3) the whole photo.
+    pixels
+        (H, W, 3) the whole photo, encoded or in 8 bits.
     view, skin
         The face cut out of it, and which of its pixels at working size are skin.
     """
-    windows = face_windows(view.face.landmarks_xyz, *encoded.shape[:2])
+    windows = face_windows(view.face.landmarks_xyz, *pixels.shape[:2])
     return count_noise(
-        [encoded[window] for window in windows],
+        [pixels[window] for window in windows],
         [resampled(skin, view.frame, window) for window in windows],
     )
 

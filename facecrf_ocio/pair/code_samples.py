@@ -6,32 +6,34 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from facecrf_ocio.photo.pixels import Pixels, code_values
+
 ROWS, COLUMNS = 24, 32  # of the grid of points
 _PATCH = 5  # [px] side of the square whose mean is taken: less noise, and still nearly one color
 
 Samples = npt.NDArray[np.uint8]
 
 
-def take_samples(encoded: npt.NDArray[np.float32]) -> bytes:
+def take_samples(pixels: Pixels) -> bytes:
     """Mean code values around the centers of a grid of cells.
 
     Parameters
     ----------
-    encoded
-        (H, W, 3) in [0, 1].
+    pixels
+        (H, W, 3) in [0, 1], or of 8 bits.
 
     Returns
     -------
     bytes
         24 x 32 x 3 values of 8 bits, row by row.
     """
-    height, width = encoded.shape[:2]
+    height, width = pixels.shape[:2]
     rows = _centers(height, ROWS)
     columns = _centers(width, COLUMNS)
     around = np.arange(_PATCH) - _PATCH // 2
     near_rows = np.clip(rows[:, None] + around, 0, height - 1).ravel()
     near_columns = np.clip(columns[:, None] + around, 0, width - 1).ravel()
-    patches = encoded[np.ix_(near_rows, near_columns)]
+    patches = code_values(pixels[np.ix_(near_rows, near_columns)], 8)
     means = cv2.resize(patches, (COLUMNS, ROWS), interpolation=cv2.INTER_AREA)
     return bytes(np.rint(means * 255.0).astype(np.uint8).tobytes())
 

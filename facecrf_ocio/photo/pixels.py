@@ -8,6 +8,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from facecrf_ocio.checks import encoded_of
+
 Pixels = npt.NDArray[Any]
 Float32 = npt.NDArray[np.float32]
 
@@ -29,7 +31,7 @@ def code_values(codes: Pixels, bits: int) -> Float32:
         float32 of the same shape, [0, 1] for integers; floating point is passed on.
     """
     if codes.dtype == np.uint8:
-        return np.asarray(cv2.LUT(codes, code_grid(8)))
+        return encoded_of(codes)
     if codes.dtype == np.uint16:
         if not 8 < bits < 16:
             return np.divide(codes, np.float32(65535), dtype=np.float32)
@@ -43,6 +45,13 @@ def code_grid(bits: int) -> Float32:
     """(2**bits,) every code value, divided by the largest."""
     maximum = 2**bits - 1
     return np.asarray(np.arange(maximum + 1) / maximum, np.float32)
+
+
+def eight_bit(pixels: Pixels) -> npt.NDArray[np.uint8]:
+    """Codes of 8 bits as they are, or encoded values in [0, 1] rounded to them."""
+    if pixels.dtype == np.uint8:
+        return pixels
+    return np.asarray(cv2.convertScaleAbs(pixels, alpha=255), np.uint8)
 
 
 def in_8_bits(values: Float32) -> Float32:

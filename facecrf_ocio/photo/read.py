@@ -119,7 +119,7 @@ def _read_image(file: PhotoFile, picture: Picture, sha256: str) -> Photo:
 
     camera, alpha = _camera(spec), None
     if turn == 1 and _is_plain_16_bits(spec, channels):
-        encoded = _decode_by_bands(path, source, bits)
+        pixels: Pixels = _decode_by_bands(path, source, bits)
     else:
         codes = _decode(path, picture)
         if transparency is not None:
@@ -127,28 +127,30 @@ def _read_image(file: PhotoFile, picture: Picture, sha256: str) -> Photo:
         # The largest arrays of all: each is let go when the next is there, and none is copied.
         color = three_channels(upright(_select(codes, channels), turn))
         del codes
-        encoded = code_values(color, bits)
+        plain = color.dtype == np.uint8 and alpha is None
+        pixels = np.ascontiguousarray(color) if plain else code_values(color, bits)
         del color
     if alpha is not None and is_premultiplied(spec, file_format):
-        encoded = unpremultiplied(encoded, alpha)
-        encoded = encoded if scene_linear else np.minimum(encoded, np.float32(1))
-    encoded.flags.writeable = False
-    return Photo(
-        encoded,
-        bit_depth=_bit_depth(spec, bits),
-        scene_linear=scene_linear,
-        named_curve="" if scene_linear else curve,
-        grayscale=len(channels) == 1 or is_gray(encoded),
-        # Filters of renderers overshoot a little; colors are divided by what the file has.
-        alpha=None if alpha is None else frozen(alpha.clip(0.0, 1.0), np.float32),
-        primaries=primaries_of(spec, icc),
-        camera=camera,
-        path=path,
-        sha256=sha256,
-        gain_map=gain_map,
-        edits=edits_told(file.xmp, camera.software),
-        notes=(*picture.notes, *profile_notes(icc), *set_aside),
-    )
+        pixels = unpremultiplied(pixels, alpha)
+        pixels = pixels if scene_linear else np.minimum(pixels, np.float32(1))
+    pixels.flags.writeable = False
+    told: dict[str, Any] = {
+        "scene_linear": scene_linear,
+        "named_curve": "" if scene_linear else curve,
+        "grayscale": len(channels) == 1 or is_gray(pixels),
+        "primaries": primaries_of(spec, icc),
+        "camera": camera,
+        "path": path,
+        "sha256": sha256,
+        "gain_map": gain_map,
+        "edits": edits_told(file.xmp, camera.software),
+        "notes": (*picture.notes, *profile_notes(icc), *set_aside),
+    }
+    if pixels.dtype == np.uint8:
+        return Photo.of_codes(pixels, **told)
+    # Filters of renderers overshoot a little; colors are divided by what the file has.
+    alpha = None if alpha is None else frozen(alpha.clip(0.0, 1.0), np.float32)
+    return Photo(pixels, bit_depth=_bit_depth(spec, bits), alpha=alpha, **told)
 
 
 def _check_kind(path: Path, spec: Any, file_format: str) -> None:

@@ -198,7 +198,7 @@ def _content(path: Path) -> bytes:
 
 
 def _source(photo: Photo) -> Source:
-    height, width = photo.encoded.shape[:2]
+    height, width, _ = photo.shape
     return Source(
         name=None if photo.path is None else photo.path.name,
         sha256=photo.sha256,

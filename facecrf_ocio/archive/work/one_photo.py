@@ -109,7 +109,7 @@ def _gather(task: Task, photo: Photo) -> Result:
         sha256=photo.sha256 or "",
         camera=_camera(photo),
         shot=read_shot(task.source),
-        gathered=Gathered(evidence.to_json(), face_json(evidence), take_samples(photo.encoded)),
+        gathered=Gathered(evidence.to_json(), face_json(evidence), take_samples(photo.pixels)),
     )
 
 
