@@ -13,7 +13,10 @@ from pathlib import Path
 from facecrf_ocio.lut.ocio_processor import RefusedError, ocio_processor
 
 _MOST_WARNINGS = 20  # of OpenColorIO for one file, sent to whoever asked
-_MEMORY = 2 << 30  # [byte] of addresses; OpenColorIO itself takes some 0.2e9
+_LEAST_MEMORY = 80 << 20
+"""[byte] Addresses that any file may take; the largest that are published take a few megabytes."""
+
+_MEMORY_PER_BYTE = 16  # of a file; published ones take up to 1.5
 
 
 def serve() -> None:
@@ -24,7 +27,6 @@ def serve() -> None:
     with contextlib.suppress(ImportError, OSError, ValueError):
         import resource  # noqa: PLC0415 - not on Windows
 
-        resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     # What OpenColorIO logs of a damaged file may be no UTF-8: a logging function of Python's would
     # fail inside of it, while it holds its lock, and it would wait for that forever.
@@ -36,6 +38,7 @@ def serve() -> None:
         log.seek(0)
         log.truncate()
         _allow(seconds)
+        _allow_memory(path)
         reason = _reason(Path(path))
         _allow(0.0)
         log.seek(0)
@@ -64,3 +67,15 @@ def _allow(seconds: float) -> None:
     """End this process after so much processor time; OpenColorIO is deaf to what Python handles."""
     if hasattr(signal, "setitimer"):
         signal.setitimer(signal.ITIMER_PROF, seconds)
+
+
+def _allow_memory(path: str) -> None:
+    """Refuse this process more memory than reading a file of that size takes."""
+    with contextlib.suppress(ImportError, OSError, ValueError):
+        import resource  # noqa: PLC0415 - not on Windows
+
+        taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        most = taken + _LEAST_MEMORY + _MEMORY_PER_BYTE * os.stat(path).st_size  # noqa: PTH116
+        hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+        most = most if hard == resource.RLIM_INFINITY else min(most, hard)
+        resource.setrlimit(resource.RLIMIT_AS, (most, hard))
