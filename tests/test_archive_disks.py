@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 from archive_photos import everything, files
 from command_line import CODE, CommandLine, write_noise
-from pool_here import pool_here  # noqa: F401 - a fixture
+from workers_here import workers_here  # noqa: F401 - a fixture
 
 from facecrf_ocio.archive.manifest.database import FILE
 from facecrf_ocio.archive.place import alone
@@ -85,7 +85,7 @@ def disk(tmp_path: Path) -> Iterator[Disk]:
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("pool_here")
+@pytest.mark.usefixtures("workers_here")
 @pytest.mark.parametrize(
     ("limits", "some"),
     [
@@ -221,7 +221,7 @@ def test_a_second_run_on_a_folder_that_is_at_work_is_told_and_changes_nothing(
     assert everything(luts) == everything(whole)
 
 
-@pytest.mark.usefixtures("pool_here")
+@pytest.mark.usefixtures("workers_here")
 def test_while_one_is_at_work_there_every_other_is_told_in_one_line(
     facecrf, source, tmp_path
 ) -> None:
@@ -239,7 +239,7 @@ def test_while_one_is_at_work_there_every_other_is_told_in_one_line(
     assert files(luts) == before
 
 
-@pytest.mark.usefixtures("pool_here")
+@pytest.mark.usefixtures("workers_here")
 def test_a_manifest_that_a_killed_run_has_left_empty_is_told_and_filled(
     facecrf, source, tmp_path
 ) -> None:
