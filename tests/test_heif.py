@@ -80,6 +80,39 @@ def test_without_the_extra_one_line_names_it(
         read_photo(path)
 
 
+@pytest.mark.parametrize(
+    ("transfer", "curve", "linear"),
+    [(8, "", True), (13, "", False), (16, "PQ", False), (18, "HLG", False)],
+)
+def test_heic_says_which_signal_it_holds(
+    tmp_path: Path, transfer: int, curve: str, linear: bool
+) -> None:
+    """As cameras do that write HDR stills (.HIF): PQ by Canon, HLG by Sony."""
+    said = {"color_primaries": 9, "transfer_characteristics": transfer, "save_nclx_profile": True}
+    photo = read_photo(write_heic(tmp_path / "a.hif", **said))
+    assert (photo.named_curve, photo.scene_linear) == (curve, linear)
+    assert photo.primaries is not None
+    assert photo.primaries.name == "Rec.2020"
+    profile = matrix_profile(*KNOWN_PRIMARIES["Display P3"])
+    by_profile = read_photo(write_heic(tmp_path / "b.hif", icc_profile=profile, **said))
+    assert by_profile.named_curve == ""
+
+
+@pytest.mark.skipif(not features.check("avif"), reason="this Pillow reads no AVIF")
+@pytest.mark.parametrize(("transfer", "said"), [(8, ""), (13, ""), (16, "PQ"), (18, "HLG")])
+def test_avif_says_which_signal_it_holds(tmp_path: Path, transfer: int, said: str) -> None:
+    path = tmp_path / "a.avif"
+    Image.fromarray((CODES // 4).astype(np.uint8)).save(path)
+    content = bytearray(path.read_bytes())
+    at = content.find(b"colrnclx") + 8
+    content[at : at + 4] = struct.pack(">HH", 9, transfer)
+    path.write_bytes(bytes(content))
+    photo = read_photo(path)
+    assert (photo.named_curve, photo.scene_linear) == (said, transfer == 8)
+    assert photo.primaries is not None
+    assert photo.primaries.name == "Rec.2020"
+
+
 @pytest.mark.skipif(not features.check("avif"), reason="this Pillow reads no AVIF")
 def test_avif(tmp_path: Path) -> None:
     codes = (CODES // 4).astype(np.uint8)

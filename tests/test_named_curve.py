@@ -15,6 +15,7 @@ from PIL import Image
 
 from facecrf_ocio import calibrate, read_photo
 from facecrf_ocio.color.signals import decode_hlg, decode_pq
+from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.image.linearize import write_linear
 from facecrf_ocio.photo.named_curve import curve_of_profile
 from facecrf_ocio.values import Outcome, Verdict
@@ -85,10 +86,12 @@ def test_the_curves_are_opencolorios(name: str) -> None:
     assert ours == pytest.approx(theirs / theirs[-1], rel=2e-3, abs=1e-6)
 
 
-def with_cicp(path: Path, primaries: int, transfer: int, icc: bytes | None = None) -> Path:
+def with_cicp(
+    path: Path, primaries: int, transfer: int, icc: bytes | None = None, full: int = 1
+) -> Path:
     Image.fromarray(random_codes()).save(path, icc_profile=icc)
     content = path.read_bytes()
-    chunk = b"cICP" + bytes([primaries, transfer, 0, 1])
+    chunk = b"cICP" + bytes([primaries, transfer, 0, full])
     chunk = struct.pack(">I", 4) + chunk + struct.pack(">I", zlib.crc32(chunk))
     path.write_bytes(content[:33] + chunk + content[33:])
     return path
@@ -112,6 +115,19 @@ def test_a_png_says_which_signal_it_holds(tmp_path: Path, transfer: int, name: s
         assert found[:, 0] == pytest.approx(decode(codes), rel=2e-3)
     exr = write_linear(tmp_path / "a.exr", photo, estimate)
     assert oiio.ImageBuf(str(exr)).spec().get_string_attribute("colorInteropID") == "unknown"
+
+
+@pytest.mark.parametrize(("number", "name"), [(1, "Rec.709"), (9, "Rec.2020"), (12, "Display P3")])
+def test_a_png_says_its_primaries(tmp_path: Path, number: int, name: str) -> None:
+    primaries = read_photo(with_cicp(tmp_path / "a.png", number, 13)).primaries
+    assert primaries is not None
+    assert primaries.name == name
+
+
+def test_the_narrow_range_of_video_is_refused(tmp_path: Path) -> None:
+    path = with_cicp(tmp_path / "a.png", 9, 16, full=0)
+    with pytest.raises(PhotoError, match="narrow range; export it"):
+        read_photo(path)
 
 
 def test_a_fixed_curve_that_is_asked_for_is_given(tmp_path: Path) -> None:

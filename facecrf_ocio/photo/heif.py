@@ -8,23 +8,22 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import plain_text
+from facecrf_ocio.photo.cicp import LINEAR, CodePoints, of_boxes, of_nclx
 from facecrf_ocio.photo.exif import apple_headroom, camera_of, load_exif
 from facecrf_ocio.photo.gain_map import APPLE, GainMapError, apple_numbers
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_size
+from facecrf_ocio.photo.named_curve import named_curve
 from facecrf_ocio.photo.orientation import upright
 from facecrf_ocio.photo.picture import PhotoFile
 from facecrf_ocio.photo.pixels import is_gray, three_channels
 from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
-from facecrf_ocio.values import GainMap, Photo, Primaries, frozen
+from facecrf_ocio.values import GainMap, Photo, frozen
 
 INSTALL = "install the extra (pip install 'facecrf-ocio[heif]'), or convert it to JPEG or TIFF"
 _DAMAGE = (RuntimeError, ValueError, EOFError, OSError, SyntaxError)
 _AVIF = (b"avif", b"avis")
-# ISO 23091-2 (CICP), color primaries.
-_CICP_PRIMARIES = {1: "Rec.709", 9: "Rec.2020", 12: "Display P3"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,6 +34,7 @@ class _Decoded:
     bits: int
     exif: Any
     icc: bytes
+    told: CodePoints | None = None
     gain_map: GainMap | None = None
     notes: tuple[str, ...] = ()
 
@@ -54,11 +54,16 @@ def read_heif(file: PhotoFile, sha256: str) -> Photo:
     encoded = np.divide(three_channels(color), scale, dtype=np.float32)
     encoded.flags.writeable = False
     alpha = decoded.codes[..., -1] / scale if decoded.codes.shape[2] in (2, 4) else None
-    primaries = primaries_from_icc(decoded.icc) or _of_cicp(content)
+    told, icc = decoded.told, decoded.icc
+    primaries = primaries_from_icc(icc) or (None if told is None else told.named_primaries())
+    # A profile goes before the color box (ISO 23008-12, 6.5.5).
+    curve = named_curve(None if icc else told, icc)
     file.forget()
     return Photo(
         encoded,
         bit_depth=decoded.bits,
+        scene_linear=curve == LINEAR,
+        named_curve="" if curve == LINEAR else curve,
         grayscale=is_gray(encoded),
         alpha=None if alpha is None else frozen(alpha, np.float32),
         primaries=primaries,
@@ -66,7 +71,7 @@ def read_heif(file: PhotoFile, sha256: str) -> Photo:
         path=file.path,
         sha256=sha256,
         gain_map=decoded.gain_map,
-        notes=(*decoded.notes, *profile_notes(decoded.icc)),
+        notes=(*decoded.notes, *profile_notes(icc)),
     )
 
 
@@ -85,8 +90,8 @@ def _read_heic(file: PhotoFile) -> _Decoded:
     bits = int(heif.info.get("bit_depth", 8)) if codes.dtype == np.uint16 else 8
     exif = load_exif(heif.info.get("exif") or b"")
     gain_map, notes = _apple_map(heif, exif)
-    icc = heif.info.get("icc_profile") or b""
-    return _Decoded(_planes(codes), bits, exif, icc, gain_map, notes)
+    icc, told = heif.info.get("icc_profile") or b"", of_nclx(heif.info.get("nclx_profile"))
+    return _Decoded(_planes(codes), bits, exif, icc, told, gain_map, notes)
 
 
 def _apple_map(heif: Any, exif: Any) -> tuple[GainMap | None, tuple[str, ...]]:
@@ -116,7 +121,7 @@ def _read_avif(file: PhotoFile) -> _Decoded:
         raise _damaged(file, error) from error
     note = ("its more than 8 bits were read as 8",) if _is_deep_avif(file.content) else ()
     turned = upright(_planes(codes), int(exif.get(274, 1)))
-    return _Decoded(turned, 8, exif, icc, notes=note)
+    return _Decoded(turned, 8, exif, icc, of_boxes(file.content), notes=note)
 
 
 def _planes(codes: Any) -> Any:
@@ -127,13 +132,6 @@ def _is_deep_avif(content: bytes) -> bool:
     """Whether AV1's configuration says `high_bitdepth` (AV1 in ISOBMFF, 2.3.3)."""
     at = content.find(b"av1C")
     return at >= 0 and len(content) > at + 6 and bool(content[at + 6] & 0x40)
-
-
-def _of_cicp(content: bytes) -> Primaries | None:
-    """Primaries of the color box (ISO 14496-12, 12.1.5)."""
-    at = content.find(b"colrnclx")
-    name = _CICP_PRIMARIES.get(int.from_bytes(content[at + 8 : at + 10], "big")) if at >= 0 else ""
-    return known_primaries(name, "file attribute") if name else None
 
 
 def _damaged(file: PhotoFile, error: Exception) -> PhotoError:

@@ -4,35 +4,30 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from facecrf_ocio.color.signals import decode_hlg, decode_pq
+from facecrf_ocio.photo.cicp import HLG, LINEAR, PQ, CodePoints
 from facecrf_ocio.photo.profile import icc_tag
 from facecrf_ocio.values import Float
 
-LINEAR, PQ, HLG = "linear", "PQ", "HLG"
-
-# ITU-T H.273, transfer characteristics.
-_TRANSFERS = {8: LINEAR, 16: PQ, 18: HLG}
 _CURVES: dict[str, Callable[[Float], Float]] = {LINEAR: np.array, PQ: decode_pq, HLG: decode_hlg}
 _SAME = 2e-3
 """[light, white is 1] by which a profile's table may differ from the curve it is taken for."""
 
 
-def named_curve(spec: Any, icc: bytes) -> str:
+def named_curve(told: CodePoints | None, icc: bytes) -> str:
     """`linear`, `PQ`, `HLG`, or empty where the file names none of them.
 
     cICP goes before the profile (PNG, third edition, 4.3), and in the profile its tag before its
     curves (ICC.1:2022, 9.2.17).
     """
-    told = spec.getattribute("CICP")
-    if told is not None and len(told) == 4:
-        return _TRANSFERS.get(int(told[1]), "")
+    if told is not None:
+        return told.curve
     tag = icc_tag(icc, b"cicp")
     if len(tag) >= 12:
-        return _TRANSFERS.get(tag[9], "")
+        return CodePoints(tag[8], tag[9]).curve
     return curve_of_profile(icc)
 
 

@@ -15,11 +15,12 @@ from facecrf_ocio.color.primaries import known_primaries, name_primaries
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import complaint, plain_text
 from facecrf_ocio.photo.channels import alpha_channel, color_channels, is_premultiplied
+from facecrf_ocio.photo.cicp import LINEAR, of_numbers
 from facecrf_ocio.photo.edits import edits_told
 from facecrf_ocio.photo.gain_map import jpeg_gain_map
 from facecrf_ocio.photo.heif import read_heif
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_file, check_size
-from facecrf_ocio.photo.named_curve import LINEAR, is_other_curve, named_curve
+from facecrf_ocio.photo.named_curve import is_other_curve, named_curve
 from facecrf_ocio.photo.orientation import orientation_of, upright
 from facecrf_ocio.photo.picture import PhotoFile, Picture, open_image, open_picture
 from facecrf_ocio.photo.pixels import Pixels, code_values, is_gray, three_channels, unpremultiplied
@@ -31,6 +32,7 @@ from facecrf_ocio.values import Camera, Photo, Primaries, frozen
 _BAND_ROWS = 256  # [px] read at once: 9 MB of 16-bit codes of a photo 6000 px wide
 _EXPORT = "convert it to DNG, or export a 16-bit TIFF"
 _CONVERT = "convert it to JPEG, PNG, TIFF or EXR"
+_FULL_RANGE = "export it with code values of the full range"
 _COPY_OR_CONVERT = f"if it should be one, {COPY_AGAIN}; else {_CONVERT}"
 _INTEGERS = {oiio.UINT8, oiio.INT8, oiio.UINT16, oiio.INT16, oiio.UINT32, oiio.INT32}
 _PHOTOMETRIC = "tiff:PhotometricInterpretation"
@@ -110,7 +112,7 @@ def _read_image(file: PhotoFile, picture: Picture, sha256: str) -> Photo:
     _check_kind(path, spec, file_format)
     channels, transparency = color_channels(path, spec), alpha_channel(spec)
     icc = icc_profile(spec)
-    curve = named_curve(spec, icc)
+    curve = named_curve(of_numbers(spec.getattribute("CICP")), icc)
     scene_linear = _is_scene_linear(spec, icc, curve)
     bits = spec.get_int_attribute("oiio:BitsPerSample", 8 * spec.format.size())
     turn = orientation_of(spec, file.xmp)
@@ -164,6 +166,9 @@ def _check_kind(path: Path, spec: Any, file_format: str) -> None:
             "is CMYK, an encoding for print that no camera wrote",
             "use the RGB original from the camera",
         )
+    told = of_numbers(spec.getattribute("CICP"))
+    if told is not None and not told.full_range:
+        raise PhotoError(path, "has code values of video's narrow range", _FULL_RANGE)
     if photometric in _LAB:
         raise PhotoError(path, "is CIELab, not RGB", "use the RGB original from the camera")
     if file_format == "null" or spec.deep or spec.depth > 1:
@@ -244,6 +249,10 @@ def primaries_of(spec: Any, icc: bytes) -> Primaries | None:
     by_profile = primaries_from_icc(icc)
     if by_profile is not None:
         return by_profile
+    told = of_numbers(spec.getattribute("CICP"))
+    by_numbers = None if told is None else told.named_primaries()
+    if by_numbers is not None:
+        return by_numbers
     chromaticities = spec.getattribute("chromaticities")
     if chromaticities is not None and len(chromaticities) == 8:
         return name_primaries(chromaticities, "file attribute")

@@ -1,0 +1,57 @@
+"""What code points of ITU-T H.273 name, by which PNG, HEIC and AVIF tell of their color."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from facecrf_ocio.color.primaries import known_primaries
+from facecrf_ocio.values import Primaries
+
+LINEAR, PQ, HLG = "linear", "PQ", "HLG"
+_PRIMARIES = {1: "Rec.709", 9: "Rec.2020", 12: "Display P3"}  # H.273, table 2
+_TRANSFERS = {8: LINEAR, 16: PQ, 18: HLG}  # H.273, table 3
+_BOX = b"colrnclx"
+
+
+@dataclass(frozen=True, slots=True)
+class CodePoints:
+    """Primaries and transfer characteristics, and whether code values use their full range."""
+
+    primaries: int
+    transfer: int
+    full_range: bool = True
+
+    @property
+    def curve(self) -> str:
+        """`linear`, `PQ`, `HLG`, or empty for any other."""
+        return _TRANSFERS.get(self.transfer, "")
+
+    def named_primaries(self) -> Primaries | None:
+        """The primaries; None for those that have no name here."""
+        name = _PRIMARIES.get(self.primaries)
+        return known_primaries(name, "file attribute") if name else None
+
+
+def of_numbers(told: Sequence[int] | None) -> CodePoints | None:
+    """Of a PNG's cICP: primaries, transfer, matrix, full range."""
+    if told is None or len(told) != 4:
+        return None
+    return CodePoints(int(told[0]), int(told[1]), bool(told[3]))
+
+
+def of_nclx(told: Mapping[str, Any] | None) -> CodePoints | None:
+    """Of the picture's color box as pillow-heif has it."""
+    if not told:
+        return None
+    return CodePoints(int(told["color_primaries"]), int(told["transfer_characteristics"]))
+
+
+def of_boxes(content: bytes) -> CodePoints | None:
+    """Of the first color box of a file (ISO 14496-12, 12.1.5), whose range its decoder minds."""
+    at = content.find(_BOX)
+    if at < 0 or len(content) < at + len(_BOX) + 4:
+        return None
+    return CodePoints(*struct.unpack_from(">HH", content, at + len(_BOX)))
