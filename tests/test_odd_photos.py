@@ -177,6 +177,24 @@ class TestOrientation:
         path.write_bytes(with_segments(JPEG, xmp_segment(6, form)))
         assert np.array_equal(read_photo(path).encoded, np.rot90(pixels(JPEG), -1))
 
+    @pytest.mark.parametrize(
+        "said", ['xmlns:t="{0}" t:Orientation=" 6 "', "xmlns:T='{0}' T:Orientation='6'"]
+    )
+    def test_of_xmp_that_calls_the_namespace_otherwise(self, tmp_path: Path, said: str) -> None:
+        path, space = tmp_path / "a.jpg", "http://ns.adobe.com/tiff/1.0/"
+        packet = f"<x:xmpmeta><rdf:RDF><rdf:Description {said.format(space)}/></rdf:RDF>"
+        xmp = segment(0xE1, b"http://ns.adobe.com/xap/1.0/\0" + packet.encode())
+        path.write_bytes(with_segments(JPEG, xmp))
+        assert np.array_equal(read_photo(path).encoded, np.rot90(pixels(JPEG), -1))
+
+    @pytest.mark.parametrize("odd", [0, 9, 65535])
+    def test_of_xmp_where_that_of_exif_is_none(self, tmp_path: Path, odd: int) -> None:
+        path = tmp_path / "a.jpg"
+        path.write_bytes(
+            with_segments(JPEG, app1(exif_of({274: odd})), xmp_segment(6, "attribute"))
+        )
+        assert np.array_equal(read_photo(path).encoded, np.rot90(pixels(JPEG), -1))
+
     @pytest.mark.parametrize("said", ["1" * 5000, "0", "9", "12"], ids=len)
     def test_of_xmp_that_is_none(self, tmp_path: Path, said: str) -> None:
         path, plain = tmp_path / "a.jpg", tmp_path / "b.jpg"
@@ -194,6 +212,15 @@ class TestOrientation:
 def test_16_bits_of_which_zero_is_white(tmp_path: Path) -> None:
     tifffile = pytest.importorskip("tifffile")
     codes = np.linspace(0, 65535, 32 * 48).astype(np.uint16).reshape(32, 48)
+    for name, kind in (("a.tif", "minisblack"), ("b.tif", "miniswhite")):
+        tifffile.imwrite(tmp_path / name, codes, photometric=kind)
+    black, white = (read_photo(tmp_path / name).encoded for name in ("a.tif", "b.tif"))
+    assert np.allclose(white, 1 - black, atol=1e-6)
+
+
+def test_floats_of_which_zero_is_white(tmp_path: Path) -> None:
+    tifffile = pytest.importorskip("tifffile")
+    codes = np.linspace(0, 1, 32 * 48, dtype=np.float32).reshape(32, 48)
     for name, kind in (("a.tif", "minisblack"), ("b.tif", "miniswhite")):
         tifffile.imwrite(tmp_path / name, codes, photometric=kind)
     black, white = (read_photo(tmp_path / name).encoded for name in ("a.tif", "b.tif"))

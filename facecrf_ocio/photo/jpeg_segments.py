@@ -57,7 +57,8 @@ class JpegParts:
 
 def take_apart(content: bytes) -> JpegParts | None:
     """Take a JPEG file apart; None where no picture starts in its first bytes."""
-    start = content.find(b"\xff\xd8\xff", 0, _LEAD)
+    # Only a first mark is known without the next: stray bytes may stand between the two.
+    start = 0 if content[:2] == b"\xff\xd8" else content.find(b"\xff\xd8\xff", 0, _LEAD)
     if start < 0:
         return None
     walk = _Walk(content, start + 2, stray=start)

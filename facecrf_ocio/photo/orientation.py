@@ -33,8 +33,6 @@ def upright(image: Pixels, orientation: int) -> Pixels:
 
 def orientation_of(spec: Any, xmp: str) -> int:
     """EXIF's orientation, 1 to 8, else that of XMP, else 1."""
-    told = spec.get_int_attribute("Orientation", 0)
-    if told == 0:
-        value = value_of(xmp, "tiff:Orientation")
-        told = _XMP.get(value, 1)
-    return int(told)
+    told = int(spec.get_int_attribute("Orientation", 0))
+    known = told == 1 or told in _UPRIGHT
+    return told if known else _XMP.get(value_of(xmp, "tiff:Orientation"), 1)

@@ -203,8 +203,9 @@ def _decode(path: Path, picture: Picture) -> Pixels:
     kind = spec.format.basetype if spec.format.basetype in (oiio.UINT8, oiio.UINT16) else oiio.FLOAT
     codes = source.read_image(picture.page, 0, 0, spec.nchannels, kind)
     codes = _require_pixels(path, source, codes)
-    if kind == oiio.UINT16 and spec.get_int_attribute(_PHOTOMETRIC, -1) == _WHITE_IS_ZERO:
-        np.subtract(65535, codes, out=codes)  # OpenImageIO does so for 8 bits alone
+    if kind != oiio.UINT8 and spec.get_int_attribute(_PHOTOMETRIC, -1) == _WHITE_IS_ZERO:
+        white = 65535 if kind == oiio.UINT16 else 1
+        np.subtract(white, codes, out=codes)  # OpenImageIO does so for 8 bits alone
     return codes.reshape(spec.height, spec.width, spec.nchannels)
 
 

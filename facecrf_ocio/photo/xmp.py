@@ -9,6 +9,11 @@ from facecrf_ocio.photo.jpeg_segments import JpegParts
 _PACKET = re.compile(rb"<x:xmpmeta.*?</x:xmpmeta>|<rdf:RDF.*?</rdf:RDF>", re.DOTALL)
 _IN_JPEG = b"http://ns.adobe.com/xap/1.0/\0"
 _MARK = b"<rdf:RDF"
+_SPACES = {
+    "tiff": "http://ns.adobe.com/tiff/1.0/",
+    "crs": "http://ns.adobe.com/camera-raw-settings/1.0/",
+}
+"""Namespaces by their usual prefixes (XMP part 2), which a packet may call otherwise."""
 
 
 def xmp_of(content: bytes, jpeg: JpegParts | None) -> str:
@@ -26,14 +31,25 @@ def xmp_of(content: bytes, jpeg: JpegParts | None) -> str:
 
 def values_of(xmp: str, name: str) -> list[str]:
     """Values of a property such as `tiff:Orientation`, written as attribute, element, or list."""
+    name = _as_called_in(xmp, name)
     attribute = re.search(rf"""\b{re.escape(name)}\s*=\s*(?:"([^"]*)"|'([^']*)')""", xmp)
     if attribute is not None:
-        return [attribute[1] if attribute[1] is not None else attribute[2]]
+        return [(attribute[1] if attribute[1] is not None else attribute[2]).strip()]
     element = re.search(rf"<{re.escape(name)}\b[^>]*>(.*?)</{re.escape(name)}>", xmp, re.DOTALL)
     if element is None:
         return []
     items = re.findall(r"<rdf:li\b[^>]*>([^<]*)</rdf:li>", element[1])
     return [item.strip() for item in items or [element[1]]]
+
+
+def _as_called_in(xmp: str, name: str) -> str:
+    """A property's name with the prefix that a packet has for its namespace."""
+    prefix, _, local = name.partition(":")
+    space = _SPACES.get(prefix)
+    if space is None or f"{prefix}:{local}" in xmp:
+        return name
+    bound = re.search(rf"""xmlns:([\w.-]+)\s*=\s*["']{re.escape(space)}["']""", xmp)
+    return name if bound is None else f"{bound[1]}:{local}"
 
 
 def value_of(xmp: str, name: str) -> str:
