@@ -103,9 +103,16 @@ painted.pixels.foreach_set([0.5, 0.25, 0.75, 1.0] * (64 * 32))
 painted.update()
 bpy.ops.facecrf.linearize_image(image=painted.name)
 made = bpy.data.images["painted (linear)"]
-said["painted"] = list(made.pixels[:4])
-said["painted_codes"] = list(painted.pixels[:4])
+said["painted"] = list(made.pixels[:3])
+said["painted_codes"] = list(painted.pixels[:3])
 said["made_space"] = made.colorspace_settings.name
+# A photo that was painted on, and not saved.
+repainted = bpy.data.images.load(str(portrait), check_existing=False)
+repainted.pixels[:4] = (0.25, 0.5, 0.75, 1.0)
+repainted.update()
+bpy.ops.facecrf.linearize_photo(image=repainted.name)
+said["repainted"] = list(bpy.data.images[f"{repainted.name} (codes)"].pixels[:3])
+said["still_dirty"] = repainted.is_dirty
 
 # The same in a material, rendered by Cycles as light that a camera sees.
 chosen.estimator = estimators[-1]

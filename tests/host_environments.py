@@ -37,6 +37,10 @@ def host_python(name: str, *alternatives: str, base: str = "") -> Path:
     pytest.skip(f"{name} cannot be installed here: {said}")
 
 
-def blender_python() -> Path:
+BLENDERS = ("5.0.1", "4.5.4", "4.2.0")
+"""The newest, and the first module of each of the two versions with long-term support."""
+
+
+def blender_python(version: str = BLENDERS[0]) -> Path:
     """Python of an environment with Blender as a module, which has wheels for 3.11 only."""
-    return host_python("bpy-5.0.1", "bpy==5.0.1", base="python3.11")
+    return host_python(f"bpy-{version}", f"bpy=={version}", base="python3.11")

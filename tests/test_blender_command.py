@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import sys
+import types
 import zipfile
 from pathlib import Path
 
@@ -88,3 +89,89 @@ def test_an_exr_in_the_way_is_told_in_words_that_fit_blender(command, tmp_path):
     work = command.linearize("facecrf", tmp_path / "a.jpg", tmp_path / "a.exr", "auto")
     with pytest.raises(command.CommandError, match=r"a\.exr: exists already; choose another"):
         next(work)
+
+
+class Screen:
+    """What an operator asks a Blender with a window for, and what it shows."""
+
+    def __init__(self):
+        self.window = self.window_manager = self.workspace = self
+        self.shown, self.timers, self.parts = [], 0, []
+        self.progress_begin = lambda low, high: None
+        self.progress_end = lambda: None
+        self.progress_update = self.parts.append
+        self.modal_handler_add = lambda operator: None
+        self.status_text_set = self.shown.append
+
+    def event_timer_add(self, seconds, window):
+        self.timers += 1
+        return "timer"
+
+    def event_timer_remove(self, timer):
+        self.timers -= 1
+
+
+@pytest.fixture
+def working(monkeypatch):
+    package = types.ModuleType("linearize_photo")
+    package.__path__ = [str(NODES / "blender")]
+    bpy = types.SimpleNamespace(app=types.SimpleNamespace(background=False))
+    monkeypatch.setitem(sys.modules, "linearize_photo", package)
+    monkeypatch.setitem(sys.modules, "bpy", bpy)
+    yield importlib.import_module("linearize_photo.working")
+    for name in [name for name in sys.modules if name.startswith("linearize_photo.")]:
+        del sys.modules[name]
+
+
+def operator(working, tmp_path, seconds, photos=2):
+    """An operator that runs a command for each photo, with what it said to the user."""
+    command = tmp_path / "command"
+    command.write_text(f"#!{sys.executable}\nimport time; time.sleep({seconds})\n")
+    command.chmod(0o755)
+
+    class Operator(working.Working):
+        def work(self, _):
+            for number in range(photos):
+                self.say(f"photo {number + 1}", number / photos)
+                yield sys.modules["linearize_photo.command"].Running(str(command), [])
+
+        def report(self, _, text):
+            self.reported = text
+
+    made = Operator()
+    made._modal = True
+    return made
+
+
+TIMER = types.SimpleNamespace(type="TIMER", value="NOTHING")
+ESC = types.SimpleNamespace(type="ESC", value="PRESS")
+OTHER = types.SimpleNamespace(type="MOUSEMOVE", value="NOTHING")
+
+
+def test_blender_goes_on_while_an_operator_works_and_sees_how_far_it_is(working, tmp_path):
+    screen, one = Screen(), operator(working, tmp_path, 0)
+    assert one.begin(screen) == {"RUNNING_MODAL"}
+    assert one.modal(screen, OTHER) == {"PASS_THROUGH"}
+    result = {"PASS_THROUGH"}
+    while result == {"PASS_THROUGH"}:
+        one._running.wait()
+        result = one.modal(screen, TIMER)
+    assert result == {"FINISHED"}
+    said = [text for text in screen.shown if text]
+    assert said[0].startswith("photo 1")
+    assert said[-1].startswith("photo 2")
+    assert all(text.endswith("Esc: cancel") for text in said)
+    assert screen.parts[-1] == 50
+    assert (screen.shown[-1], screen.timers) == (None, 0)
+
+
+def test_esc_stops_the_command_and_the_rest(working, tmp_path):
+    screen, one = Screen(), operator(working, tmp_path, 600)
+    assert one.begin(screen) == {"RUNNING_MODAL"}
+    process = one._running._process
+    assert one.modal(screen, TIMER) == {"PASS_THROUGH"}
+    assert process.poll() is None
+    assert one.modal(screen, ESC) == {"CANCELLED"}
+    assert process.poll() is not None
+    assert (screen.shown[-1], screen.timers) == (None, 0)
+    assert "cancelled" in one.reported

@@ -11,7 +11,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813
 import PyOpenColorIO as ocio  # noqa: N813
 import pytest
-from host_environments import CACHE, blender_python
+from host_environments import BLENDERS, CACHE, blender_python
 
 from facecrf_ocio import calibrate, read_photo
 from facecrf_ocio.color.srgb import decode_srgb
@@ -24,6 +24,7 @@ FACECRF = "import sys; from facecrf_ocio.cli.facecrf import main; sys.argv[0] = 
 # A formula, one curve estimated for all channels, and a curve estimated for each.
 ESTIMATORS = ("srgb", "joint", "face")
 TOLERANCE = 2e-5
+ACES, SRGB_IN_ACES = "cg-config-v2.1.0_aces-v1.3_ocio-v2.3", "sRGB - Texture"
 
 
 @pytest.fixture(scope="module")
@@ -34,9 +35,8 @@ def package(tmp_path_factory):
     return next(folder.glob("facecrf_linearize-*.zip"))
 
 
-@pytest.fixture(scope="module")
-def session(package, tmp_path_factory):
-    work = tmp_path_factory.mktemp("blender")
+def ran(package, work, estimators, version=BLENDERS[0]):
+    """Run the session in a Blender; return its folder and what it said."""
     (work / "photos").mkdir()
     portrait, ramp = work / "photos" / "portrait.png", work / "photos" / "ramp.png"
     original = matplotlib.cbook.get_sample_data("grace_hopper.jpg", asfileobj=False)
@@ -48,16 +48,21 @@ def session(package, tmp_path_factory):
     command.chmod(0o755)
     script = ROOT / "tests" / "blender_session.py"
     subprocess.run(
-        [blender_python(), script, package, command, work, portrait, ramp, *ESTIMATORS],
+        [blender_python(version), script, package, command, work, portrait, ramp, *estimators],
         env={
             **{key: value for key, value in os.environ.items() if key != "OCIO"},
             "PYTHONPATH": str(ROOT),  # for facecrf
             "BLENDER_USER_RESOURCES": str(work / "user"),
         },
         check=True,
-        timeout=400,
+        timeout=900,
     )
     return work, json.loads((work / "said.json").read_text())
+
+
+@pytest.fixture(scope="module")
+def session(package, tmp_path_factory):
+    return ran(package, tmp_path_factory.mktemp("blender"), ESTIMATORS)
 
 
 @pytest.fixture(scope="module")
@@ -78,6 +83,23 @@ def test_rendered_pixels_are_those_of_the_library(session, curves, estimator, im
     codes = read_photo(session[0] / "photos" / f"{image}.png").encoded
     rendered = pixels(session[0] / f"{image}_{estimator}.exr")
     assert np.abs(rendered - curves[estimator].linearize(codes)).max() < TOLERANCE
+
+
+@pytest.mark.parametrize("version", BLENDERS[1:])
+def test_versions_with_long_term_support_render_the_same(package, curves, tmp_path, version):
+    work, said = ran(package, tmp_path, ESTIMATORS[-1:], version)
+    assert said["version"].startswith(version)
+    codes = read_photo(work / "photos" / "ramp.png").encoded
+    expected = curves[ESTIMATORS[-1]].linearize(codes)
+    rendered = pixels(work / f"ramp_{ESTIMATORS[-1]}.exr")
+    assert np.abs(rendered - expected).max() < TOLERANCE
+    assert (pixels(work / f"reloaded_{ESTIMATORS[-1]}.exr") == rendered).all()
+    assert np.abs(pixels(work / "material.exr") - expected).max() < 2 * TOLERANCE
+    assert said["kept_space"]
+    assert said["repainted"] == pytest.approx([0.25, 0.5, 0.75], abs=1 / 255)
+    painted = decode_srgb(np.array(said["painted_codes"])).tolist()
+    assert said["painted"] == pytest.approx(painted, abs=2e-6)
+    assert said["left"] == []
 
 
 def test_the_curve_stays_in_the_file_and_renders_without_the_extension(session):
@@ -106,9 +128,14 @@ def test_nodes_of_a_second_photo_stand_below_the_first_one_s(session):
 
 def test_packed_and_painted_images_need_no_file(session):
     assert session[1]["packed"] == ""
-    expected = decode_srgb(np.array(session[1]["painted_codes"][:3]))
-    assert session[1]["painted"][:3] == pytest.approx(expected.tolist(), abs=1e-6)
+    expected = decode_srgb(np.array(session[1]["painted_codes"]))
+    assert session[1]["painted"] == pytest.approx(expected.tolist(), abs=2e-6)
     assert session[1]["made_space"] == "Linear Rec.709"
+
+
+def test_what_was_painted_on_a_photo_comes_along_and_stays_unsaved(session):
+    assert session[1]["repainted"] == pytest.approx([0.25, 0.5, 0.75], abs=1 / 255)
+    assert session[1]["still_dirty"]
 
 
 def test_estimators_are_a_list_of_all_there_are(session):
@@ -181,3 +208,28 @@ def test_extension_and_own_config_agree_in_one_blender(package, session, tmp_pat
     said = json.loads((tmp_path / "said.json").read_text())
     assert said["made"] == pytest.approx(expected[-1, 0].tolist(), abs=1e-6)  # rows go upward
     assert said["made_space"] in spaces
+
+
+def test_under_an_aces_config_light_is_in_acescg(package, session, tmp_path):
+    """A matrix follows the curve there; Blender's own way from sRGB is the measure."""
+    config = ocio.Config.CreateFromBuiltinConfig(ACES)
+    (tmp_path / "aces.ocio").write_text(config.serialize())
+    script = ROOT / "tests" / "blender_extension_config_session.py"
+    portrait, command = session[0] / "photos" / "portrait.png", session[0] / "facecrf"
+    subprocess.run(
+        [blender_python(), script, package, command, tmp_path, portrait, SRGB_IN_ACES],
+        env={
+            **os.environ,
+            "PYTHONPATH": str(ROOT),
+            "OCIO": str(tmp_path / "aces.ocio"),
+            "BLENDER_USER_RESOURCES": str(tmp_path / "user"),
+        },
+        check=True,
+        timeout=900,
+    )
+    expected = np.ascontiguousarray(read_photo(portrait).encoded)
+    config.getProcessor(SRGB_IN_ACES, "ACEScg").getDefaultCPUProcessor().applyRGB(expected)
+    assert np.abs(expected - decode_srgb(read_photo(portrait).encoded)).max() > 0.05
+    for name in ("extension", "space"):
+        assert np.abs(pixels(tmp_path / f"{name}.exr") - expected).max() < 2 * TOLERANCE, name
+    assert json.loads((tmp_path / "said.json").read_text())["made_space"] == "ACEScg"

@@ -41,6 +41,7 @@ class FACECRF_PT_panel(bpy.types.Panel):
     def draw(self, context):
         self.layout.operator_context = "INVOKE_DEFAULT"
         kind = context.space_data.tree_type
+        self.layout.label(text="Add an image, linearized:")
         for image in bpy.data.images:
             if image.source in ("FILE", "GENERATED") and CODES_OF not in image:
                 row = self.layout.operator("facecrf.linearize_photo", text=image.name)

@@ -37,9 +37,16 @@ def codes_of(image: bpy.types.Image) -> bpy.types.Image:
 
 
 def _copied(image):
-    if image.source != "GENERATED":
+    if image.source == "FILE" and not image.is_dirty:
         return image.copy()
-    # Blender's copy of a generated image is a new one, without what was painted.
+    return painted_copy(image)
+
+
+def painted_copy(image: bpy.types.Image) -> bpy.types.Image:
+    """Return a packed copy of the 8-bit pixels that an image shows, as code values.
+
+    Blender's own copy of an image is made anew of its file or color, without what was painted.
+    """
     width, height = image.size
     copy = bpy.data.images.new(image.name, width, height, alpha=image.channels == 4, is_data=True)
     copy.pixels.foreach_set(_pixels(image))

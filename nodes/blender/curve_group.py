@@ -20,6 +20,9 @@ from .command import Calibration
 CLOSE = 1e-5
 SAMPLES = 257
 LENGTHS = (4096, 2048, 1024, 768, 512, 384)  # intervals to try; of 256 none is missed
+OLD_COMPOSITOR = bpy.app.version < (4, 5, 0)
+"""Whether the compositor has mixing and math nodes of its own, and its curve of all channels, which
+is asked last, ends at the width of the clipping region."""
 PHOTO, VERDICT, REASON = "facecrf_photo", "facecrf_verdict", "facecrf_reason"
 
 
@@ -65,18 +68,14 @@ def _colors(sockets):
     return [socket for socket in sockets if socket.type == "RGBA" and socket.enabled]
 
 
-def _node(tree, *names):
-    """Make a node of the first type that this Blender has."""
-    for name in names:
-        try:
-            return tree.nodes.new(name)
-        except RuntimeError:
-            continue
-    raise RuntimeError(f"this Blender has none of {', '.join(names)}")
+def _shared_node(tree, shaders, compositor):
+    """Make a node that compositors have in common with shaders, in most versions of Blender."""
+    old = OLD_COMPOSITOR and tree.bl_idname == COMPOSITOR
+    return tree.nodes.new(compositor if old else shaders)
 
 
 def _sum(tree, total, piece, index):
-    add = _node(tree, "ShaderNodeMix", "CompositorNodeMixRGB")
+    add = _shared_node(tree, "ShaderNodeMix", "CompositorNodeMixRGB")
     add.location = (500 + 200 * index, 0)
     if add.bl_idname == "ShaderNodeMix":
         add.data_type = "RGBA"
@@ -91,14 +90,14 @@ def _sum(tree, total, piece, index):
 def _multiplied(tree, color, matrix, left):
     """The photo's primaries to the config's: nine multiplications, since no node is a matrix."""
     prefix = _PREFIX[tree.bl_idname]
-    split = _node(tree, f"{prefix}SeparateColor")
-    join = _node(tree, f"{prefix}CombineColor")
+    split = tree.nodes.new(f"{prefix}SeparateColor")
+    join = tree.nodes.new(f"{prefix}CombineColor")
     split.location, join.location = (left, 0), (left + 800, 0)
     tree.links.new(color, _colors(split.inputs)[0])
     for row, factors in enumerate(matrix):
         total = None
         for column, factor in enumerate(factors):
-            math = _node(tree, "ShaderNodeMath", "CompositorNodeMath")
+            math = _shared_node(tree, "ShaderNodeMath", "CompositorNodeMath")
             math.operation = "MULTIPLY_ADD"
             math.location = (left + 200 * (column + 1), -200 * row)
             math.inputs[1].default_value, math.inputs[2].default_value = factor, 0.0
@@ -145,12 +144,23 @@ def _fill_piece(mapping, rows, piece, *, shader):
         # samples over what all four curves span. It is asked first there, in the compositor last.
         for point, code in zip(mapping.curves[3].points, (codes[0], codes[-1]), strict=True):
             point.location = (code, code)
-    for channel, curve in enumerate(curves):
+    rises = [curve - curve[0] if first else curve for curve in curves]
+    if OLD_COMPOSITOR and not shader:
+        rises = _within_master(mapping.curves[3].points, rises, codes[-1] - codes[0])
+    for channel, linear in enumerate(rises):
         points = mapping.curves[channel].points
-        linear = curve - curve[0] if first else curve
         points[0].location, points[-1].location = (codes[0], linear[0]), (codes[-1], linear[-1])
         for place in zip(codes[1:-1], linear[1:-1], strict=True):
             points.new(*place)
         for point in points:
             point.handle_type = "VECTOR"
     mapping.update()
+
+
+def _within_master(points, rises, width):
+    """Divide a piece by what the curve of all channels then multiplies it with."""
+    steep = max(1.0, max(rise[-1] for rise in rises) / width)
+    points[-1].location = (1.0, steep)
+    for point in points:
+        point.handle_type = "VECTOR"
+    return [rise / steep for rise in rises]

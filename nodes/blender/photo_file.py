@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy
 
-from .color_space import CODES_OF
+from .color_space import CODES_OF, painted_copy
 from .command import CommandError
 
 
@@ -27,6 +27,8 @@ def photo_file(image: bpy.types.Image) -> Iterator[Path]:
         raise CommandError(f"{image.name}: is a {image.source.lower()}; choose a single photo")
     if image.is_float and image.source == "GENERATED":
         raise CommandError(f"{image.name}: holds floats, which are linear light already")
+    if image.is_float and image.is_dirty:
+        raise CommandError(f"{image.name}: was painted on; save it first by Image > Save")
     path = Path(bpy.path.abspath(image.filepath, library=image.library))
     if image.packed_file is None and image.source == "FILE" and not image.is_dirty:
         if not image.filepath or not path.is_file():
@@ -40,11 +42,16 @@ def photo_file(image: bpy.types.Image) -> Iterator[Path]:
             copy.write_bytes(image.packed_file.data)
         else:
             copy = Path(folder) / f"{stem}.png"
-            kept = image.file_format
-            image.file_format = "PNG"
-            image.save(filepath=str(copy), save_copy=True)
-            image.file_format = kept
+            _save(image, copy)
         yield copy
+
+
+def _save(image, path):
+    # A copy is saved, since Blender makes the file that it wrote the image's own.
+    copy = painted_copy(image)
+    copy.file_format = "PNG"
+    copy.save(filepath=str(path))
+    bpy.data.images.remove(copy)
 
 
 def _original(image):

@@ -29,7 +29,10 @@ def tree_of(context, kind: str):
 
 def _compositor(scene):
     if not GROUPS:
+        made = scene.node_tree is None
         scene.use_nodes = True
+        if made:
+            scene.node_tree.links.clear()  # as a new tree is from 5.0 on, without a picture yet
         return scene.node_tree
     if scene.compositing_node_group is None:
         tree = bpy.data.node_groups.new("Compositing", COMPOSITOR)
