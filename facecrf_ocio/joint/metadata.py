@@ -8,7 +8,8 @@ from facecrf_ocio.values import Camera, Primaries
 _SCANNERS = ("scan", "coolscan", "nikon ls-", "noritsu", "frontier", "vuescan", "perfection")
 # [log odds] Of 20 cameras whose curves were solved from exposure stacks, one has a curve that is
 # likelier as film's, by a prior that saw none of them: 19 to 1. From e^2 to e^4 the error on curves
-# of cameras falls by 3 %, and grows by 9 % where a file that names one holds a picture with film's.
+# of cameras falls by 3 %, and grows by 9 % where a file that names one holds a picture with film's,
+# both on heads `dev_*` through the camera that training has as well.
 _MODERN = 3.0
 # [log odds] Chosen by judgment: a scanner's file may be of a print, or of another's copy.
 _SCANNED = 2.0
