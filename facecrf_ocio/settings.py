@@ -57,12 +57,13 @@ class JointSettings(FaceSettings):
     Attributes
     ----------
     least_chroma
-        Of `single_curve.chroma_share`, below which all color is a tone laid over gray. Of 126 tasks
-        of the stress bench's real photos (three scenes; gray studio skin among them) made gray and
-        toned (sepia, selenium, cyanotype, weak; JPEG of quality 85) 95 of 100 are below 0.002 to
-        0.005; of the photos as they are a third of those with gray skin at 15 % of its saturation
-        and hardly others. At 0.06 it refused half of the gray skin. Ordinary photos have 0.1 and
-        more; weak tones in JPEGs of quality below 75, or 300 px wide, pass.
+        Of `single_curve.chroma_share`, below which all color is a tone laid over gray. Of 216 real
+        photos (three scenes) made gray and toned (sepia, selenium, cyanotype) 214 are below at JPEG
+        85, weak tones 56 of 72; of the photos themselves 2 of 54, portraits in gray studio light.
+    sure_chroma
+        Above which color is no such tone; between the two an estimate is never reliable. Of all
+        tones at JPEG 75 two of 288 are above. Ordinary photos have 0.1 and more, portraits in gray
+        studio light 0.0005 to 0.08.
     fewest_colors
         Distinct colors of a picture below which it was made with a palette, which has 256 at most.
     most_flat
@@ -73,7 +74,8 @@ class JointSettings(FaceSettings):
         0.001 and 0.05, one by libultrahdr 0.04.
     """
 
-    least_chroma: float = 0.005
+    least_chroma: float = 0.001
+    sure_chroma: float = 0.01
     fewest_colors: int = 300
     most_flat: float = 0.6
     most_scatter: float = 0.1

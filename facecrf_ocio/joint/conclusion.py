@@ -127,6 +127,7 @@ def conclude(
     found = inverse_crf(model.prior.grid, curve)
     confidence = _confidence(telling, posterior, found, model, dissent)
     confidence = _with_cameras(confidence, known, dissent)
+    confidence = doubted(confidence, _not_single(named))
     if not telling:
         none = PhotoEvidence({}, np.empty(0), lacking="no photo given")
         first = evidence[0] if evidence else none
@@ -149,6 +150,16 @@ def conclude(
         confidence=confidence,
         coefficients=np.tile(coefficients, (len(CHANNELS), 1)),
         faces=faces,
+    )
+
+
+def _not_single(named: Mapping[str, PhotoEvidence]) -> tuple[str, ...]:
+    """What speaks against any single curve; of several photos, with their names."""
+    said = {name: one.doubt for name, one in named.items() if one.doubt}
+    alone = len(named) == 1
+    return tuple(
+        f"perhaps no single curve: {doubt if alone else f'{name}: {doubt}'}"
+        for name, doubt in said.items()
     )
 
 

@@ -20,7 +20,7 @@ from facecrf_ocio.face.view import cut_face
 from facecrf_ocio.joint.messages import Networks, shipped_networks
 from facecrf_ocio.joint.metadata import modern_leaning, phone_leaning
 from facecrf_ocio.joint.prior import Message
-from facecrf_ocio.joint.single_curve import no_photograph
+from facecrf_ocio.joint.single_curve import no_photograph, toned
 from facecrf_ocio.joint.statistics import (
     Statistics,
     counted_statistics,
@@ -56,6 +56,8 @@ class PhotoEvidence:
         Why the photo says nothing, and what the user can do; empty if it does say something.
     camera
         Make and model, as the file names them: what was measured of it is one more message.
+    doubt
+        What speaks against any single curve of the camera; empty where nothing does.
     face
         The face used, if any; not stored.
     """
@@ -68,6 +70,7 @@ class PhotoEvidence:
     remedy: str = ""
     stretch: float = 1.0
     camera: tuple[str, str] = ("", "")
+    doubt: str = ""
     face: Face | None = field(default=None, repr=False)
 
     def to_json(self) -> str:
@@ -84,6 +87,7 @@ class PhotoEvidence:
                 "remedy": self.remedy,
                 "stretch": self.stretch,
                 "camera": list(self.camera),
+                "doubt": self.doubt,
             }
         )
 
@@ -111,6 +115,7 @@ class PhotoEvidence:
                 stored["remedy"],
                 stored.get("stretch", 1.0),
                 _named(stored.get("camera", ("", ""))),
+                str(stored.get("doubt", "")),
             )
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise SettingsError(f"no evidence of a photo: {error}") from error
@@ -134,7 +139,11 @@ def gather(
     coverage = _histograms(seen.statistics.encoded)
     camera = photo.camera.make, photo.camera.model
     return PhotoEvidence(
-        messages, coverage, *leaning, stretch=stretch, camera=camera, face=seen.face
+        *(messages, coverage, *leaning),
+        stretch=stretch,
+        camera=camera,
+        doubt=seen.doubt,
+        face=seen.face,
     )
 
 
@@ -145,18 +154,17 @@ def _named(stored: Sequence[str]) -> tuple[str, str]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Observation:
-    """What every cue measures in one photo, and the face it is measured on."""
+    """What every cue measures in one photo, the face it is measured on, and what is doubtful."""
 
     statistics: Statistics
     face: Face
+    doubt: str = ""
 
 
 def observe(photo: Photo, settings: JointSettings) -> Observation | Lacking:
     """Statistics of one photo and its largest face, or why there are none."""
-    if photo.grayscale and photo.pixels.min() == photo.pixels.max():
-        return Lacking("all pixels have one color", "use a photo with a face")
     if photo.grayscale:
-        return Lacking("the photo is grayscale, and skin shows its response only in color", _COLOR)
+        return _colorless(photo)
     found = find_faces(photo.pixels, settings, most=1)
     if not found.faces:
         return lacking_faces(found, settings)
@@ -164,6 +172,9 @@ def observe(photo: Photo, settings: JointSettings) -> Observation | Lacking:
     unfit = no_photograph(photo.pixels, face.box_xy, settings)
     if unfit is not None:
         return unfit
+    doubt = toned(photo.pixels, settings)
+    if isinstance(doubt, Lacking):
+        return doubt
     # The networks know 8-bit photos: rounding is part of the noise they learned from.
     finer = photo.bit_depth != 8
     view = cut_face(photo, face, settings, to_8_bits=finer)
@@ -173,7 +184,13 @@ def observe(photo: Photo, settings: JointSettings) -> Observation | Lacking:
     counted = counted_statistics(
         photo_counts(photo.pixels), skin_counts(photo.pixels, view, of_face.skin)
     )
-    return Observation(replace(of_face, by_cue={**counted, **of_face.by_cue}), face)
+    return Observation(replace(of_face, by_cue={**counted, **of_face.by_cue}), face, doubt)
+
+
+def _colorless(photo: Photo) -> Lacking:
+    if photo.pixels.min() == photo.pixels.max():
+        return Lacking("all pixels have one color", "use a photo with a face")
+    return Lacking("the photo is grayscale, and skin shows its response only in color", _COLOR)
 
 
 def _histograms(encoded: Float) -> Float:

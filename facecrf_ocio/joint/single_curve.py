@@ -50,9 +50,21 @@ def no_photograph(pixels: Pixels, box_xy: Float, settings: JointSettings) -> Lac
     right, bottom = (int(edge) for edge in box_xy[:2] + box_xy[2:])
     if flat_share(middle_codes(pixels[top:bottom, left:right])) > settings.most_flat:
         return Lacking("the face is drawn: most of its pixels equal their neighbors", _ORIGINAL)
-    if chroma_share(pixels) < settings.least_chroma:
-        return Lacking("the photo has one hue: no pigments to look at", _ORIGINAL)
     return None
+
+
+def toned(pixels: Pixels, settings: JointSettings) -> Lacking | str:
+    """Why a picture is a tone laid over gray; or that it may be one, empty where it is none.
+
+    Parameters
+    ----------
+    pixels
+        (H, W, 3) code values in [0, 1], or of 8 bits.
+    """
+    share = chroma_share(pixels)
+    if share < settings.least_chroma:
+        return Lacking("the photo has one hue: no pigments to look at", _ORIGINAL)
+    return "" if share > settings.sure_chroma else "it has hardly more than one hue"
 
 
 def gain_scatter(photo: Photo) -> float:
