@@ -287,7 +287,7 @@ def test_every_field_of_photo_estimate_and_settings_is_told(tmp_path: Path) -> N
     assert record["settings"] == asdict(Settings())
     renamed = {"found": "curve"}
     assert {renamed.get(f.name, f.name) for f in fields(Estimate)} <= set(record)
-    untold = {"encoded", "alpha"}  # pixels
+    untold = {"encoded", "codes", "alpha"}  # pixels
     renamed = {"path": "name"}
     told = set(record["source"])
     assert {renamed.get(f.name, f.name) for f in fields(Photo)} - untold <= told
