@@ -98,9 +98,11 @@ def _notes(opened: Clip, found: ClipEstimate) -> tuple[str, ...]:
         notes.append(f"the face's light varies by {found.exposure_stops:.1f} stops")
         drifts = "drifts" if found.drifts else "does not drift"
         notes.append(
-            f"the curve {drifts}: first and last third lie {found.drift:.3f} apart "
-            f"(standard error {found.drift_error:.3f})"
+            f"the curve {drifts}: where the scene shows it, both ends lie {found.drift:.4f} apart "
+            f"(standard error {found.drift_error:.4f})"
         )
+        if found.exposures_told:
+            notes.append("the files tell exposures that differ, which show the curve as a bracket")
     for number, shot in enumerate(found.shots, start=1):
         if shot.estimate is not None:
             notes.append(

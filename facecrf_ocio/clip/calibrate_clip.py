@@ -2,28 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-import cv2
 import numpy as np
 
 from facecrf_ocio.calibrate import calibrate
+from facecrf_ocio.clip.chosen_frames import ChosenFrame, choose_frames
 from facecrf_ocio.clip.frame_list import Clip
-from facecrf_ocio.joint import PhotoEvidence, conclude, gather, misfit
-from facecrf_ocio.response.expected_stops import expected_of_sigma
+from facecrf_ocio.clip.shared_light import add_points, drift_of_points
+from facecrf_ocio.clip.tracked_points import track
+from facecrf_ocio.joint import (
+    JointModel,
+    PhotoEvidence,
+    conclude,
+    misfit,
+    shipped_joint,
+)
+from facecrf_ocio.joint.prior import Posterior
+from facecrf_ocio.pair.exposure_grid import exposure_stops
+from facecrf_ocio.photo.shot import read_shot
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.together import MISFIT_LIMIT
-from facecrf_ocio.values import Estimate, Float, Outcome, Photo
+from facecrf_ocio.values import Estimate, Float, Outcome
 
 FRAMES = 12  # more tell hardly more: their errors are alike
-_TRIED = 3  # frames looked at for each that is used
-# Of the errors of any two frames: they show one face in one light, where photos of one camera,
-# of which 0.3 holds, show several. With this 12 frames tell as much as 1.2 independent ones.
-_CORRELATION, _OF_PHOTOS = 0.8, 0.3
+CORRELATION = 0.9
+"""Of the errors of any two frames of one face in one light, as `facecrf bench clip` finds it."""
+
+_LEAST_STOPS = 0.3  # [stop] of exposures that tell anything of the curve
 _SAME_SHOT = 0.5  # correlation of the brightness ranks of thumbnails, 32 x 18
 _SURE = 3.0  # standard errors from which a difference between both ends is a drift
-_LEAST_DRIFT = 0.01  # RMSE
+_LEAST_DRIFT = 0.003  # RMSE where points lie; clips without drift show 0.0015 at most
 _FEWEST = 4  # frames that a drift is told from
 
 
@@ -59,11 +69,15 @@ class ClipEstimate:
     shots
         Parts between cuts.
     drift
-        RMSE between the curves of the first and the last third of the frames.
+        RMSE between the curves of both ends, over the codes that the scene shows.
     drift_error
-        Standard error of that, by how frames of one third scatter.
+        Standard error of that.
     exposure_stops
         [stop] How much the brightness of the face's light varied, from least to most.
+    alone
+        What each of the frames says alone.
+    exposures_told
+        Whether files told exposures that differ, by which the curve was found.
     """
 
     estimate: Estimate
@@ -72,6 +86,8 @@ class ClipEstimate:
     drift: float = 0.0
     drift_error: float = 0.0
     exposure_stops: float = 0.0
+    alone: tuple[Estimate, ...] = ()
+    exposures_told: bool = False
 
     @property
     def drifts(self) -> bool:
@@ -80,7 +96,12 @@ class ClipEstimate:
 
 
 def calibrate_clip(
-    clip: Clip, *, frames: int = FRAMES, prior: str = "auto", settings: Settings | None = None
+    clip: Clip,
+    *,
+    frames: int = FRAMES,
+    prior: str = "auto",
+    settings: Settings | None = None,
+    model: JointModel | None = None,
 ) -> ClipEstimate:
     """Estimate the one curve of a clip.
 
@@ -90,15 +111,16 @@ def calibrate_clip(
         As `open_clip` gives it.
     frames
         How many to use at most, spread over time.
-    prior, settings
+    prior, settings, model
         As for `calibrate`.
     """
     first = next(clip.read([0]))
     if first.scene_linear or first.named_curve:
         return ClipEstimate(calibrate(first))
-    chosen = _chosen(clip, frames, settings)
+    model = model or shipped_joint()
+    chosen = choose_frames(clip, frames, settings, model)
     if not chosen:
-        nothing = conclude([], prior)
+        nothing = conclude([], prior, model)
         return ClipEstimate(
             replace(
                 nothing,
@@ -110,54 +132,36 @@ def calibrate_clip(
             )
         )
     evidence = [one.evidence for one in chosen]
-    pooled = conclude(evidence, prior)
-    drift, error = _drift([conclude([e], prior).curve.linear[0] for e in evidence])
+    shots = _grouped(chosen)
+    longest = max(shots, key=len)
+    points = track([one.small for one in longest]) if len(longest) > 1 else None
+    told = _told_stops(longest)
+    faces: list[Posterior] = []
+
+    def besides(posterior: Posterior) -> Posterior:
+        faces.append(posterior)
+        if points is None or told is None:
+            return posterior
+        return add_points(posterior, points, told, model.prior, model.band_scale)
+
+    pooled = _of_frames(evidence, prior, model, besides)
+    alone = tuple(conclude([one], prior, model) for one in evidence)
+    if points is None:
+        drift, error = _drift([one.curve.linear[0] for one in alone])
+    else:
+        times = np.array([one.index for one in longest]) / (len(clip.times) - 1) - 0.5
+        drift, error = drift_of_points(faces[0], points, times, model.prior)
     light = [np.log2(_level(one.face_codes, pooled)) for one in chosen]
     return ClipEstimate(
-        _honest(pooled, len(chosen)),
+        pooled,
         tuple(one.index for one in chosen),
-        _shots(chosen, pooled, prior),
+        _shots(shots, pooled, prior, model),
         drift,
         error,
         float(np.ptp(light)),
+        alone,
+        points is not None and told is not None,
     )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Chosen:
-    """A frame that tells something: its evidence, the code values of its face, a thumbnail."""
-
-    index: int
-    evidence: PhotoEvidence
-    worth: float
-    face_codes: Float
-    thumbnail: Float
-
-
-def _chosen(clip: Clip, frames: int, settings: Settings | None) -> list[_Chosen]:
-    """The frame of each stretch of time whose face is largest and sharpest."""
-    count = len(clip.times)
-    tried = np.unique(np.linspace(0, count - 1, min(count, _TRIED * frames)).astype(np.intp))
-    best: dict[int, _Chosen] = {}
-    for index, photo in zip(tried, clip.read([int(i) for i in tried]), strict=True):
-        one = _looked_at(int(index), photo, settings)
-        stretch = int(index * frames // count)
-        if one is not None and (stretch not in best or one.worth > best[stretch].worth):
-            best[stretch] = one
-    return [best[stretch] for stretch in sorted(best)]
-
-
-def _looked_at(index: int, photo: Photo, settings: Settings | None) -> _Chosen | None:
-    evidence = gather(photo, settings)
-    if evidence.face is None or not evidence.messages:
-        return None
-    x, y, width, height = (round(float(v)) for v in evidence.face.box_xy)
-    inside = photo.encoded[max(y, 0) : y + height, max(x, 0) : x + width]
-    gray = cv2.cvtColor(np.ascontiguousarray(inside), cv2.COLOR_RGB2GRAY)
-    sharp = float(np.std(cv2.Laplacian(gray, cv2.CV_32F)))
-    small = cv2.resize(photo.encoded, (32, 18), interpolation=cv2.INTER_AREA).mean(axis=2)
-    ranks = np.argsort(np.argsort(small.ravel())).astype(np.float64)
-    return _Chosen(index, evidence, width * sharp, inside.reshape(-1, 3).astype(np.float64), ranks)
 
 
 def _level(codes: Float, estimate: Estimate) -> float:
@@ -165,20 +169,32 @@ def _level(codes: Float, estimate: Estimate) -> float:
     return max(float(np.median(estimate.curve.linearize(codes)[:, 1])), 1e-6)
 
 
-def _honest(pooled: Estimate, count: int) -> Estimate:
-    """Widen the band from that of as many photos to that of as many frames of one scene."""
-    told = pooled.confidence
-    if told is None:
-        return pooled
-    frames = _CORRELATION + (1.0 - _CORRELATION) / count
-    photos = _OF_PHOTOS + (1.0 - _OF_PHOTOS) / count
-    sigma = told.sigma * np.sqrt(frames / photos)
-    expected = expected_of_sigma(pooled.curve, sigma)
-    return replace(
-        pooled,
-        reason=pooled.reason.replace("photos", "frames").replace("1 photo", "1 frame"),
-        confidence=replace(told, sigma=sigma, in_stops=expected),
+def _of_frames(
+    evidence: Sequence[PhotoEvidence],
+    prior: str,
+    model: JointModel,
+    besides: Callable[[Posterior], Posterior] | None = None,
+) -> Estimate:
+    """The curve of frames of one scene, in whose words photos are frames."""
+    pooled = conclude(evidence, prior, model, correlation=CORRELATION, besides=besides)
+    reason = pooled.reason.replace("photos", "frames").replace("1 photo", "1 frame")
+    return replace(pooled, reason=reason)
+
+
+def _told_stops(shot: Sequence[ChosenFrame]) -> Float | None:
+    """(J,) log2 of the exposures of frames, by the EXIF of their files; None where it is silent."""
+    paths = [one.path for one in shot if one.path is not None]
+    if len(set(paths)) < len(shot):
+        return None  # frames of one video file
+    told = [read_shot(path) for path in paths]
+    if any(one.exposure_s <= 0.0 for one in told):
+        return None
+    stops = exposure_stops(
+        [one.exposure_s for one in told],
+        [one.aperture for one in told],
+        [one.iso for one in told],
     )
+    return stops if np.ptp(stops) >= _LEAST_STOPS else None
 
 
 def _drift(curves: Sequence[Float]) -> tuple[float, float]:
@@ -192,20 +208,26 @@ def _drift(curves: Sequence[Float]) -> tuple[float, float]:
     return float(np.sqrt((apart**2).mean())), float(np.sqrt(scatter.mean()))
 
 
-def _shots(chosen: Sequence[_Chosen], pooled: Estimate, prior: str) -> tuple[Shot, ...]:
-    groups: list[list[_Chosen]] = []
+def _grouped(chosen: Sequence[ChosenFrame]) -> list[list[ChosenFrame]]:
+    """Frames between cuts."""
+    groups: list[list[ChosenFrame]] = []
     for one in chosen:
-        alike = groups and _alike(groups[-1][-1].thumbnail, one.thumbnail) >= _SAME_SHOT
-        if alike:
+        if groups and _alike(groups[-1][-1].thumbnail, one.thumbnail) >= _SAME_SHOT:
             groups[-1].append(one)
         else:
             groups.append([one])
+    return groups
+
+
+def _shots(
+    groups: Sequence[Sequence[ChosenFrame]], pooled: Estimate, prior: str, model: JointModel
+) -> tuple[Shot, ...]:
     found = []
     for group in groups:
-        off = float(np.mean([misfit(one.evidence, pooled) for one in group]))
+        off = float(np.mean([misfit(one.evidence, pooled, model) for one in group]))
         own = None
         if off > MISFIT_LIMIT and len(groups) > 1:
-            own = _honest(conclude([one.evidence for one in group], prior), len(group))
+            own = _of_frames([one.evidence for one in group], prior, model)
         found.append(Shot(tuple(one.index for one in group), own, off))
     return tuple(found)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
@@ -91,6 +91,8 @@ def conclude(
     *,
     names: Sequence[str] | None = None,
     cameras: Sequence[KnownCamera] | None = None,
+    correlation: float = PHOTO_CORRELATION,
+    besides: Callable[[Posterior], Posterior] | None = None,
 ) -> Estimate:
     """One curve from the evidence of one photo, or of several that one camera took.
 
@@ -107,6 +109,10 @@ def conclude(
     cameras
         Measured responses, in which the cameras that the files name are looked up; those that ship
         and the user's own by default.
+    correlation
+        Of the errors of any two of the photos.
+    besides
+        Adds what is known besides the photos' own evidence.
 
     Returns
     -------
@@ -121,7 +127,8 @@ def conclude(
     weights = model.prior.weights_for(prior, *np.mean(leanings, axis=0).tolist())
     known = _known(telling, model.prior, cameras)
     named = dict(zip(called, telling, strict=True))
-    posterior, dissent = _fused(named, model.prior, weights, known)
+    posterior, dissent = _fused(named, model.prior, weights, known, correlation)
+    posterior = besides(posterior) if besides and telling else posterior
     coefficients = posterior.mean
     curve = strictly_increasing([model.prior.samples(coefficients)] * len(CHANNELS))
     found = inverse_crf(model.prior.grid, curve)
@@ -220,6 +227,7 @@ def _fused(
     prior: FamilyPrior,
     weights: Float,
     known: Mapping[tuple[str, str], KnownResponse],
+    correlation: float = PHOTO_CORRELATION,
 ) -> tuple[Posterior, tuple[str, ...]]:
     """What all photos leave of the prior, and which cues or photos the others outvoted.
 
@@ -254,7 +262,7 @@ def _fused(
         for share, posterior in zip(shares.values(), posteriors, strict=True)
     ]
     alone = len(posteriors) == 1
-    pooled = posteriors[0] if alone else average(posteriors, trust, PHOTO_CORRELATION)
+    pooled = posteriors[0] if alone else average(posteriors, trust, correlation)
     return _times_cameras(pooled, known, of_cameras), tuple(outvoted)
 
 

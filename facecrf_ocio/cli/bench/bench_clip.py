@@ -1,0 +1,45 @@
+"""`facecrf bench clip`: the curve of a clip beside those of its frames."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from facecrf_ocio.cli.bench.bench_terminal import PATH, left_out, progress, told
+from facecrf_ocio.cli.terminal import FAILED, complain, ending_well, require_writable
+
+
+@click.command("clip")
+@click.option("--faces", required=True, type=PATH, metavar="DIR", help="Linear images.")
+@click.option("--pattern", default="*", help="Names to take from it, e.g. 'dev_*_clean.exr'.")
+@click.option("--curves", required=True, type=PATH, metavar="FILE", help="Responses.")
+@click.option(
+    "--cells", default="all", show_default=True, help="Parts of rows' names, between semicolons."
+)
+@click.option("--count", type=click.IntRange(1), default=10, show_default=True, help="Of a row.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@click.option("-o", "--output", required=True, type=PATH, metavar="DIR")
+@ending_well
+def bench_clip(
+    faces: Path, pattern: str, curves: Path, cells: str, output: Path, **rest: Any
+) -> int:
+    """Take clips of known curves: moving camera and exposure, noise, H.264 and JPEG.
+
+    Interrupted and started again with the same options and output, it goes on where it was.
+    """
+    from facecrf_ocio.benchmark.clip import ClipPlan, choose_cells, run_clips
+    from facecrf_ocio.benchmark.images import find_linear_images
+    from facecrf_ocio.benchmark.responses import read_responses
+
+    chosen, responses = choose_cells(cells), read_responses(curves)
+    found = find_linear_images(faces, pattern)
+    left_out(found.left_out)
+    require_writable(output)
+    plan = ClipPlan(found.images, responses, cells=chosen, **rest)
+    try:
+        with progress() as tell:
+            return told(*run_clips(plan, output, progress=tell))
+    except KeyboardInterrupt:
+        return complain("interrupted; the same command goes on where it was", FAILED)
