@@ -8,7 +8,7 @@ import OpenImageIO as oiio  # noqa: N813
 import pytest
 from archive_photos import linear_face
 
-from facecrf_ocio.benchmark.clip import Cell, ClipPlan, choose_cells, run_clips
+from facecrf_ocio.benchmark.clips_known import Cell, ClipPlan, choose_cells, run_clips
 from facecrf_ocio.benchmark.images import find_linear_images
 from facecrf_ocio.benchmark.responses import read_responses
 from facecrf_ocio.benchmark.virtual_clip import Take, drifted, take_clip

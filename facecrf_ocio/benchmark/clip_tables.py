@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from facecrf_ocio.benchmark.tables import csv_table, grouped, markdown_table, mean_of, number
+from facecrf_ocio.benchmark.tables import csv_table, markdown_table, mean_of, number
 from facecrf_ocio.files.atomic import Draft, write_files
 
 _HEADINGS = (
@@ -80,7 +80,8 @@ def correlation(results: Sequence[ClipResult]) -> float:
 
 def clip_markdown(results: Sequence[ClipResult]) -> str:
     """The table, and what its columns mean."""
-    rows = [[name, *_cells(group)] for name, group in grouped(results, _cell).items()]
+    names = dict.fromkeys(one.cell for one in results)
+    rows = [[name, *_cells([r for r in results if r.cell == name])] for name in names]
     still = [one for one in results if not one.true_drift]
     rows.append(["all without drift", *_cells(still)] if still else rows[0])
     return markdown_table(_HEADINGS.split("|"), rows) + "\n\n" + LEGEND + "\n"
@@ -95,10 +96,6 @@ def clip_files(results: Sequence[ClipResult], output: Path) -> tuple[str, tuple[
     }
     drafts = [Draft(output / name, content, lambda _: None) for name, content in contents.items()]
     return text, write_files(drafts, overwrite=True)
-
-
-def _cell(result: ClipResult) -> str:
-    return result.cell
 
 
 def _cells(group: Sequence[ClipResult]) -> list[str]:

@@ -27,7 +27,7 @@ from facecrf_ocio.together import MISFIT_LIMIT
 from facecrf_ocio.values import Estimate, Float, Outcome
 
 FRAMES = 12  # more tell hardly more: their errors are alike
-CORRELATION = 0.9
+CORRELATION = 0.95
 """Of the errors of any two frames of one face in one light, as `facecrf bench clip` finds it."""
 
 _LEAST_STOPS = 0.3  # [stop] of exposures that tell anything of the curve

@@ -69,14 +69,14 @@ def choose_frames(
 
 def _worth(photo: Photo, settings: Settings | None) -> float:
     """Width of the largest face times its sharpness; 0 without a face."""
-    faces = find_faces(photo.encoded, settings or Settings(), most=1).faces
+    faces = find_faces(photo.pixels, settings or Settings(), most=1).faces
     if not faces:
         return 0.0
     inside = _inside(photo, faces[0])
     if min(inside.shape[:2]) < 2:
         return 0.0
     gray = cv2.cvtColor(np.ascontiguousarray(inside), cv2.COLOR_RGB2GRAY)
-    return inside.shape[1] * float(np.std(cv2.Laplacian(gray, cv2.CV_32F))) + 1e-9
+    return float(inside.shape[1] * np.std(cv2.Laplacian(gray, cv2.CV_32F)) + 1e-9)
 
 
 def _inside(photo: Photo, face: Face) -> npt.NDArray[np.float32]:

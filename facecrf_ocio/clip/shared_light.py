@@ -98,8 +98,9 @@ def _solve(
     values: _Values, start: Float, precision: Float, prior: FamilyPrior, alike: float
 ) -> tuple[Float, Float]:
     """Coefficients of the curve and of its drift, and their covariance."""
-    found, weights = start, np.ones(values.codes.shape)
-    system = precision
+    found: Float = start
+    weights: Float = np.ones(values.codes.size)
+    system: Float = precision
     for _ in range(_ROUNDS):
         light = _logs(values.codes, values, found, prior)
         left = _without((light - values.stops)[:, None], weights, values, alike)[:, 0]
@@ -211,7 +212,7 @@ def _weights(left: Float, noise: Float) -> Float:
 def _without(columns: Float, weights: Float, values: _Values, alike: float) -> Float:
     """Columns less what one number a point and one a frame and channel explain of them."""
     centered = _centered(columns, weights, values.first)
-    shown = np.zeros((len(columns), values.groups))
+    shown: Float = np.zeros((len(columns), values.groups))
     shown[np.arange(len(columns)), values.group] = 1.0
     shown = _centered(shown, weights, values.first)
     normal = shown.T @ (shown * weights[:, None]) + np.eye(values.groups) * alike / values.loose**2

@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-from facecrf_ocio.cli.bench.bench_terminal import PATH, left_out, progress, told
+from facecrf_ocio.cli.bench.bench_terminal import PATH, left_out, told
+from facecrf_ocio.cli.live import counting
 from facecrf_ocio.cli.terminal import FAILED, complain, ending_well, require_writable
 
 
@@ -29,7 +30,7 @@ def bench_clip(
 
     Interrupted and started again with the same options and output, it goes on where it was.
     """
-    from facecrf_ocio.benchmark.clip import ClipPlan, choose_cells, run_clips
+    from facecrf_ocio.benchmark.clips_known import ClipPlan, choose_cells, run_clips
     from facecrf_ocio.benchmark.images import find_linear_images
     from facecrf_ocio.benchmark.responses import read_responses
 
@@ -39,7 +40,7 @@ def bench_clip(
     require_writable(output)
     plan = ClipPlan(found.images, responses, cells=chosen, **rest)
     try:
-        with progress() as tell:
+        with counting("clips", plainly=True) as tell:
             return told(*run_clips(plan, output, progress=tell))
     except KeyboardInterrupt:
         return complain("interrupted; the same command goes on where it was", FAILED)

@@ -42,6 +42,8 @@ class Cell:
     take: Take
 
 
+# Bit rates of phones and cameras; exposures that move as between window and room; and, for drift,
+# a camera that meters anew and one that does not.
 CELLS = (
     Cell("JPEG, exposure moves 1.5 stops", Take(None, 1.5)),
     Cell("JPEG with exposures, 1.5 stops", Take(None, 1.5, told=True)),
