@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+
 import cv2
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813
 import pytest
 from archive_photos import linear_face
 
-from facecrf_ocio.benchmark.clips_known import Cell, ClipPlan, choose_cells, run_clips
 from facecrf_ocio.benchmark.images import find_linear_images
 from facecrf_ocio.benchmark.responses import read_responses
-from facecrf_ocio.benchmark.virtual_clip import Take, drifted, take_clip
 from facecrf_ocio.clip.clip_source import open_clip
 from facecrf_ocio.clip.shared_light import add_points, drift_of_points
 from facecrf_ocio.clip.tracked_points import TrackedPoints, track
@@ -19,6 +20,10 @@ from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.joint import shipped_joint
 from facecrf_ocio.joint.prior import Posterior
 from facecrf_ocio.photo.shot import read_shot
+
+sys.path.append(str(Path(__file__).parents[1] / "examples" / "measure_clips"))
+from clips_known import Cell, ClipPlan, choose_cells, run_clips
+from virtual_clip import Take, drifted, take_clip
 
 PRIOR = shipped_joint().prior
 SIZE = PRIOR.basis.shape[0]

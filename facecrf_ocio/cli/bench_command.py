@@ -7,7 +7,6 @@ import click
 from facecrf_ocio.cli.bench.bench_ablations import ablations
 from facecrf_ocio.cli.bench.bench_archive import archive
 from facecrf_ocio.cli.bench.bench_cameras import bench_cameras
-from facecrf_ocio.cli.bench.bench_clip import bench_clip
 from facecrf_ocio.cli.bench.bench_consistency import consistency
 from facecrf_ocio.cli.bench.bench_cues import cues
 from facecrf_ocio.cli.bench.bench_figures import figures
@@ -26,7 +25,6 @@ def bench() -> None:
 _COMMANDS = (
     *(ablations, archive, consistency, cues, figures, pairs, report, speed, stress, synthetic),
     bench_cameras,
-    bench_clip,
 )
 for _command in _COMMANDS:
     bench.add_command(_command)

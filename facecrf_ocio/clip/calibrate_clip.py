@@ -28,7 +28,7 @@ from facecrf_ocio.values import Estimate, Float, Outcome
 
 FRAMES = 12  # more tell hardly more: their errors are alike
 CORRELATION = 0.95
-"""Of the errors of any two frames of one face in one light, as `facecrf bench clip` finds it."""
+"""Of the errors of any two frames of one face in one light, by `examples/measure_clips`."""
 
 _LEAST_STOPS = 0.3  # [stop] of exposures that tell anything of the curve
 _SAME_SHOT = 0.5  # correlation of the brightness ranks of thumbnails, 32 x 18

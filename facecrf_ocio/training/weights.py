@@ -112,7 +112,7 @@ def _write(path: Path, arrays: Mapping[str, Any]) -> None:
             stored[f"{name}{STEP}"] = step.astype(np.float32)
         else:
             stored[name] = value
-    np.savez_compressed(path, **stored)
+    np.savez(path, **stored)  # a wheel compresses all arrays at once, and by 10 kB better
 
 
 def describe(made: Mapping[str, Any]) -> str:

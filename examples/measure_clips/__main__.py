@@ -1,4 +1,4 @@
-"""`facecrf bench clip`: the curve of a clip beside those of its frames."""
+"""Measure clips of known curves: python examples/measure_clips --faces DIR --curves FILE -o DIR."""
 
 from __future__ import annotations
 
@@ -6,13 +6,16 @@ from pathlib import Path
 from typing import Any
 
 import click
+from clips_known import ClipPlan, choose_cells, run_clips
 
+from facecrf_ocio.benchmark.images import find_linear_images
+from facecrf_ocio.benchmark.responses import read_responses
 from facecrf_ocio.cli.bench.bench_terminal import PATH, left_out, told
 from facecrf_ocio.cli.live import counting
 from facecrf_ocio.cli.terminal import FAILED, complain, ending_well, require_writable
 
 
-@click.command("clip")
+@click.command()
 @click.option("--faces", required=True, type=PATH, metavar="DIR", help="Linear images.")
 @click.option("--pattern", default="*", help="Names to take from it, e.g. 'dev_*_clean.exr'.")
 @click.option("--curves", required=True, type=PATH, metavar="FILE", help="Responses.")
@@ -23,16 +26,13 @@ from facecrf_ocio.cli.terminal import FAILED, complain, ending_well, require_wri
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
 @click.option("-o", "--output", required=True, type=PATH, metavar="DIR")
 @ending_well
-def bench_clip(
+def measure_clips(
     faces: Path, pattern: str, curves: Path, cells: str, output: Path, **rest: Any
 ) -> int:
     """Take clips of known curves: moving camera and exposure, noise, H.264 and JPEG.
 
     Interrupted and started again with the same options and output, it goes on where it was.
     """
-    from facecrf_ocio.benchmark.clips_known import ClipPlan, choose_cells, run_clips
-    from facecrf_ocio.benchmark.images import find_linear_images
-    from facecrf_ocio.benchmark.responses import read_responses
 
     chosen, responses = choose_cells(cells), read_responses(curves)
     found = find_linear_images(faces, pattern)
@@ -44,3 +44,7 @@ def bench_clip(
             return told(*run_clips(plan, output, progress=tell))
     except KeyboardInterrupt:
         return complain("interrupted; the same command goes on where it was", FAILED)
+
+
+if __name__ == "__main__":
+    measure_clips()

@@ -1,4 +1,4 @@
-"""`facecrf bench clip`: the curve of a clip beside those of its frames, and drift that is there."""
+"""The curve of a clip beside those of its frames, and drift that is there."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
+from clip_tables import ClipResult, clip_files
+from virtual_clip import Take, drifted, take_clip
 
 from facecrf_ocio.benchmark.cases import code_digest
-from facecrf_ocio.benchmark.clip_tables import ClipResult, clip_files
 from facecrf_ocio.benchmark.folds import assign_folds
 from facecrf_ocio.benchmark.images import LinearImage
 from facecrf_ocio.benchmark.joint_folds import FOLDS, joint_model
@@ -21,7 +22,6 @@ from facecrf_ocio.benchmark.metrics import Score, score
 from facecrf_ocio.benchmark.responses import Responses, spread_rows
 from facecrf_ocio.benchmark.store import Store
 from facecrf_ocio.benchmark.virtual_camera import count_codes
-from facecrf_ocio.benchmark.virtual_clip import Take, drifted, take_clip
 from facecrf_ocio.clip.calibrate_clip import ClipEstimate, calibrate_clip
 from facecrf_ocio.clip.clip_source import open_clip
 from facecrf_ocio.errors import SettingsError

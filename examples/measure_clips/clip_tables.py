@@ -1,4 +1,4 @@
-"""The table of `facecrf bench clip`."""
+"""The table of clips."""
 
 from __future__ import annotations
 
