@@ -10,17 +10,26 @@ import pytest
 from click.testing import CliRunner
 from PIL import Image
 
+from facecrf_ocio import calibrate
 from facecrf_ocio.benchmark.energy_profiles import (
     Profile,
     compare,
     gamma_profile,
     highlight_profile,
 )
-from facecrf_ocio.benchmark.paper_figures import curves_figure, png, profile_figure
+from facecrf_ocio.benchmark.paper_figures import (
+    DOTS_PER_INCH,
+    PAGE_WIDTH,
+    curves_figure,
+    png,
+    profile_figure,
+)
 from facecrf_ocio.cli.bench_command import bench
+from facecrf_ocio.plots.calibration_plot import curves_only
+from facecrf_ocio.plots.seen import UNSEEN, seen_codes
 from facecrf_ocio.response.model import dorf_model
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.values import Photo
+from facecrf_ocio.values import Confidence, Estimate, InverseCRF, Outcome, Photo, Verdict
 
 SETTINGS = Settings()
 
@@ -59,12 +68,42 @@ def test_minimum_is_drawn_where_it_is():
 def test_every_estimate_and_the_truth_have_a_curve():
     photo = Photo(np.random.default_rng(0).random((20, 20, 3), np.float32))
     truth = np.tile(np.linspace(0, 1, 9) ** 2, (3, 1))
-    compared = compare("noise", photo, truth, ("face", "mean", "srgb"), dorf_model(), SETTINGS)
-    assert [estimate.found is None for estimate in compared.estimates] == [True, False, False]
+    compared = compare("noise", photo, truth, ("face", "mean", "srgb", "joint"), SETTINGS)
+    refused = [estimate.estimator for estimate in compared.estimates if estimate.found is None]
+    assert refused == ["face"]
     figure = curves_figure((compared, replace(compared, name="again")))
-    drawn = [line.get_label() for line in figure.axes[1].lines if len(line.get_xdata())]
-    assert drawn == ["mean", "srgb", "truth"]
-    assert Image.open(BytesIO(png(figure))).size[0] > 1000
+    drawn = [
+        line.get_label() for line in figure.axes[1].lines if np.isfinite(line.get_ydata()).any()
+    ]
+    assert [name for name in drawn if not name.startswith("_")] == [
+        "truth",
+        "mean",
+        "srgb",
+        "joint",
+    ]
+    width = Image.open(BytesIO(png(figure))).size[0] / DOTS_PER_INCH
+    assert width == pytest.approx(PAGE_WIDTH, abs=0.01)  # inches: it fits a page unscaled
+
+
+def test_a_curve_is_dashed_where_the_photo_says_nothing_of_it():
+    encoded = np.linspace(0.0, 1.0, 257)
+    linear = np.stack([encoded**2.2, encoded**2.0, encoded**1.8])
+    coverage = np.tile((encoded > 0.5).astype(float), (3, 1))
+    told = Confidence(np.zeros_like(linear), coverage, Verdict.WEAK, ())
+    found = InverseCRF(encoded, linear)
+    estimate = Estimate(Outcome.CALIBRATED, "edge", "", found=found, confidence=told)
+    axes = curves_only(estimate).axes[0]
+    solid = next(line for line in axes.lines if line.get_label() == "R")
+    dashed = next(line for line in axes.lines if line.get_label() == "_unseen")
+    assert np.isnan(solid.get_ydata()[encoded < 0.48]).all()
+    assert np.isfinite(solid.get_ydata()[encoded > 0.5]).all()
+    assert np.isfinite(dashed.get_ydata()[encoded < 0.48]).all()
+    assert UNSEEN in [text.get_text() for text in axes.get_legend().get_texts()]
+
+
+def test_a_fixed_curve_is_not_dashed_since_it_is_nobody_s_guess():
+    estimate = calibrate(Photo(np.zeros((8, 8, 3), np.float32)), estimator="srgb")
+    assert seen_codes(estimate, 0).all()
 
 
 @pytest.mark.slow

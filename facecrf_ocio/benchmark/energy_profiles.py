@@ -93,13 +93,11 @@ def compare(
     photo: Photo,
     truth: Float,
     estimators: Iterable[str],
-    model: ResponseModel,
     settings: Settings,
 ) -> Comparison:
-    """Fig. 7 and 8: every estimator on one photo of which the response is known."""
+    """Fig. 7 and 8: every estimator, as it ships, on one photo of which the response is known."""
     estimates = tuple(
-        replace(calibrate(photo, estimator=e, settings=settings, model=model), estimator=e)
-        for e in estimators
+        replace(calibrate(photo, estimator=e, settings=settings), estimator=e) for e in estimators
     )
     return Comparison(name, photo, truth, estimates)
 

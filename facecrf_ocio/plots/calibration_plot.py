@@ -17,6 +17,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from facecrf_ocio.face.view import cut_face
 from facecrf_ocio.files.atomic import Draft, write_files
+from facecrf_ocio.plots.seen import draw_seen, name_unseen, seen_codes
 from facecrf_ocio.published.face_estimator import AnalyzedFace, analyze_face
 from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import dorf_model
@@ -167,15 +168,16 @@ def _draw_title(figure: Figure, photo: Photo, estimate: Estimate) -> None:
 def _draw_curves(axes: Axes, estimate: Estimate) -> None:
     curve = estimate.curve
     srgb = fixed_curve("srgb", curve.encoded, dorf_model())
-    axes.plot(curve.encoded, srgb, color="0.45", linestyle="--", linewidth=1.2, label="sRGB")
+    axes.plot(curve.encoded, srgb, color="0.45", linestyle=":", linewidth=1.6, label="sRGB")
     if (curve.linear == curve.linear[0]).all():
         _draw_curve(axes, estimate, 0, BLACK, "R = G = B")
     else:
         for index, channel in enumerate(CHANNELS):
             _draw_curve(axes, estimate, index, INK[channel], channel)
+    name_unseen(axes, (estimate,))
     axes.set(
-        xlabel="encoded value",
-        ylabel="relative linear light",
+        xlabel="encoded value (1: white)",
+        ylabel="linear light (1: white)",
         xlim=(0, 1),
         ylim=(0, 1),
         aspect="equal",
@@ -193,7 +195,8 @@ def _draw_curve(axes: Axes, estimate: Estimate, index: int, color: str, label: s
         low, high = np.clip([linear - half, linear + half], 0.0, 1.0)
         axes.fill_between(encoded, low, high, color=color, alpha=0.12, linewidth=0)
         label = f"{label}, 90 % band"
-    axes.plot(encoded, linear, color=color, linewidth=1.8, label=label)
+    seen = seen_codes(estimate, index)
+    draw_seen(axes, encoded, linear, seen, color=color, linewidth=1.8, label=label)
 
 
 def _draw_stops(axes: Axes, estimate: Estimate) -> None:
@@ -208,8 +211,16 @@ def _draw_stops(axes: Axes, estimate: Estimate) -> None:
             half = NINETY_PERCENT * told.in_stops.sigma[index]
             low, high = above[index] - half, above[index] + half
             axes.fill_between(CODES, low, high, color=color, alpha=0.12, linewidth=0)
-        axes.plot(CODES, above[index], color=color, linewidth=1.8)
-    axes.axhline(0.0, color="0.45", linestyle="--", linewidth=1.2)
+        seen = np.interp(CODES / CODES[-1], estimate.curve.encoded, seen_codes(estimate, index))
+        draw_seen(
+            axes,
+            np.asarray(CODES, np.float64),
+            above[index],
+            seen > 0.5,
+            color=color,
+            linewidth=1.8,
+        )
+    axes.axhline(0.0, color="0.45", linestyle=":", linewidth=1.6)
     axes.axvline(MID_GRAY, color="0.8", linewidth=1.0)
     axes.set(xlim=(SHADOW_CODES[0], CODES[-1]), ylim=(-STOPS_SHOWN, STOPS_SHOWN))
     axes.set(xlabel="8-bit code", ylabel="stops above sRGB")

@@ -80,7 +80,6 @@ def _comparisons(
     from facecrf_ocio.benchmark.images import find_linear_images
     from facecrf_ocio.benchmark.responses import read_responses, spread_rows
     from facecrf_ocio.benchmark.virtual_camera import Encoding, take_photo
-    from facecrf_ocio.response.model import dorf_model
 
     responses = read_responses(curves)
     rows = spread_rows(len(responses.inverse), limit=limit_curves)
@@ -90,5 +89,5 @@ def _comparisons(
         truth = responses.inverse[row]
         photo = take_photo(image.read().encoded, truth, Encoding(), np.random.default_rng(0))
         name = f"{image.path.stem}, {responses.names[row]}"
-        compared.append(compare(name, photo, truth, estimators, dorf_model(), Settings()))
+        compared.append(compare(name, photo, truth, estimators, Settings()))
     return tuple(compared)
