@@ -80,6 +80,25 @@ def test_a_batch_goes_through_all_photos(cases: Path, facecrf: CommandLine, tmp_
     assert facecrf("verify", output).code == 0
 
 
+def test_each_photo_ends_alone_as_in_a_batch(
+    cases: Path, facecrf: CommandLine, tmp_path: Path
+) -> None:
+    for path in sorted((cases / "photos").iterdir()):
+        out, exr = tmp_path / path.name, tmp_path / f"{path.name}.exr"
+        how = ("--estimator", "mean", "--formats", "spi1d")
+        ended = facecrf("calibrate", path, "-o", out, *how)
+        lines = [line for line in ended.err.splitlines() if line.startswith("facecrf: ")]
+        refused = path.name in FAILED or "install" in ended.err
+        assert ended.code == (UNREADABLE if refused else 0), path.name
+        assert len(lines) == refused, path.name
+        assert FAILED.get(path.name, "") in ended.err
+        if path.name not in LINEAR:  # which need no curve
+            assert out.exists() == (not refused), path.name
+        how = ("--estimator", "srgb", "-o", exr)
+        assert facecrf("linearize", path, *how).code == ended.code, path.name
+        assert exr.exists() == (not refused), path.name
+
+
 def test_each_lut_ends_as_the_table_says(cases: Path, facecrf: CommandLine, tmp_path: Path) -> None:
     photo = cases / "photos" / "base_face.jpg"
     for path in luts(cases):

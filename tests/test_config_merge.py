@@ -103,6 +103,7 @@ def test_built_in_configs_go_on_in_their_own_version(
     assert told in ended.out
     assert ("newer than Blender 5.0 reads" in ended.out) == (versions[0] > (2, 4))
     count, unlike = lost(before, after)
+    print(f"{name}: {count} ways unchanged")
     assert unlike == []
     assert count >= len(before.getColorSpaceNames())
     to_acescg = working_space_matrix(None, "acescg")
