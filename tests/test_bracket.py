@@ -9,6 +9,8 @@ from command_line import CommandLine
 
 from facecrf_ocio.pair.bracket_curve import solve_bracket
 from facecrf_ocio.record.sidecar import read_sidecar
+from facecrf_ocio.response.expected_stops import expected_of_sigma
+from facecrf_ocio.response.stops import stops_error, uniform
 from facecrf_ocio.synthetic import encode, gamma_curve
 
 CODES = np.arange(32, 236) / 255.0
@@ -50,6 +52,19 @@ def test_points_that_moved_are_set_aside():
     shots[1][:90] = shots[1][:90][::-1]
     solved = solve_bracket(shots, stops)
     assert stops_off(solved.found, np.interp(CODES, truth.encoded, truth.linear[1])) < 0.03
+
+
+def test_what_to_expect_of_it_is_of_its_shape():
+    """Exposures that see no white leave its place open, which is one factor of all that is seen."""
+    truth, stops = gamma_curve(2.2), (-5.0, -4.0, -3.0, -2.0)
+    solved = solve_bracket(points(stops, truth), stops)
+    assert solved.found is not None
+    told = solved.in_stops
+    assert told.mid < 0.5 * expected_of_sigma(solved.found, solved.sigma).mid
+    error = stops_error(uniform(solved.found), uniform(truth))
+    assert error.mid < 2.0 * told.mid < 0.2
+    assert np.all(told.sigma[:, 128] == 0.0)
+    assert np.all(told.sigma[:, 250] > told.sigma[:, 160])
 
 
 @pytest.mark.slow

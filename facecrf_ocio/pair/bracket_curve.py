@@ -10,8 +10,10 @@ import numpy.typing as npt
 
 from facecrf_ocio.pair.exposure_fit import CODES, ExposureFit, fit_exposures
 from facecrf_ocio.pair.extrapolate import continued
+from facecrf_ocio.response.expected_stops import expected_of_deviation
 from facecrf_ocio.response.model import dorf_model, inverse_crf
-from facecrf_ocio.values import CHANNELS, Bool, Float, InverseCRF
+from facecrf_ocio.response.stops import MID_GRAY
+from facecrf_ocio.values import CHANNELS, Bool, Float, InStops, InverseCRF
 
 # Code values from which and up to which a point is neither drowned nor clipped in a photo.
 LOWEST, HIGHEST = 4, 249
@@ -43,6 +45,9 @@ class BracketCurve:
         The curve, None where too few points are neither drowned nor clipped.
     sigma
         (3, 4096) deviation of the curve, from what two halves of the points say.
+    in_stops
+        The same in stops, with the factor taken out at mid-gray: how far white lies beyond the
+        brightest point, which is most of `sigma`, says nothing of the shape.
     stops
         From the shortest to the longest exposure.
     halves
@@ -61,6 +66,7 @@ class BracketCurve:
 
     found: InverseCRF | None
     sigma: Float
+    in_stops: InStops | None
     stops: float
     halves: float
     bend: float
@@ -94,7 +100,7 @@ def solve_bracket(
     told = clear.any(axis=0)
     if told.sum() < _FEWEST:
         problem = "too few points are neither drowned nor clipped in two of its photos"
-        return BracketCurve(None, np.empty(0), span, 0.0, 0.0, 0.0, 0.0, problem, given)
+        return BracketCurve(None, np.empty(0), None, span, 0.0, 0.0, 0.0, 0.0, problem, given)
     codes, clear = codes[:, told], clear[:, told]
     whole = fit_exposures(codes, clear, given)
     covered, seen = _covered(codes, clear), _seen(codes, clear)
@@ -105,20 +111,48 @@ def solve_bracket(
     )
     rough, smooth = (_curve(fit_exposures(codes, clear, given, s, whole), seen) for s in (0.5, 2.0))
     halves, bend = _rmse(one, other), _rmse(rough, smooth)
-    apart = (_log_difference(one, other) / 2.0) ** 2 + _log_difference(rough, smooth) ** 2
+    apart = np.array([_log_difference(one, other) / 2.0, _log_difference(rough, smooth)])
+    sigma, in_stops = _deviations(found, apart, seen)
+    problem = _problem(span, halves, bend, whole, covered)
+    return BracketCurve(
+        found, sigma, in_stops, span, halves, bend, whole.residual, covered, problem, whole.stops
+    )
+
+
+def _deviations(
+    found: InverseCRF, apart: Float, seen: list[tuple[float, float]]
+) -> tuple[Float, InStops]:
+    """Of light with white at 1, and in stops with the factor out at mid-gray.
+
+    Parameters
+    ----------
+    found
+        The curve.
+    apart
+        (2, 3, K) differences in stops, of halves of the points and by smoothness.
+    seen
+        [code value] between which each channel's points lie.
+    """
     depth = np.log2(np.maximum(found.linear, 2.0**-12))
     unseen = np.array(
         [[-np.interp(s[1] / 255.0, found.encoded, d)] for s, d in zip(seen, depth, strict=True)]
     )
-    deviation = np.sqrt(
-        apart + _FLOOR**2 + (_STRETCH * depth) ** 2 + (_GUESSED * np.minimum(unseen, -depth)) ** 2
+    white = (
+        (apart**2).sum(axis=0)
+        + _FLOOR**2
+        + (_STRETCH * depth) ** 2
+        + (_GUESSED * np.minimum(unseen, -depth)) ** 2
     )
-    sigma = found.linear * np.log(2.0) * deviation
+    sigma = found.linear * np.log(2.0) * np.sqrt(white)
     sigma[:, [0, -1]] = 0.0
-    problem = _problem(span, halves, bend, whole, covered)
-    return BracketCurve(
-        found, sigma, span, halves, bend, whole.residual, covered, problem, whole.stops
+    codes = np.arange(CODES) / 255.0
+    depth, *differences = (
+        np.array([np.interp(codes, found.encoded, row) for row in rows]) for rows in (depth, *apart)
     )
+    shifts = [rows - rows[:, [MID_GRAY]] for rows in (_STRETCH * depth, *differences)]
+    guessed = _GUESSED * np.maximum(depth + unseen, 0.0)
+    shape = 2.0 * _FLOOR**2 + np.sum(np.square(shifts), axis=0) + guessed**2
+    return sigma, expected_of_deviation(np.sqrt(shape))
 
 
 def bracket_reasons(solved: BracketCurve) -> tuple[str, ...]:

@@ -13,7 +13,6 @@ from facecrf_ocio.pair.bracket_pixels import SmallBracket, flat_patches, small_b
 from facecrf_ocio.pair.exposure_grid import exposure_stops
 from facecrf_ocio.photo.shot import Shot
 from facecrf_ocio.response.coverage import coverage_at, coverage_counts
-from facecrf_ocio.response.expected_stops import expected_of_sigma
 from facecrf_ocio.values import Confidence, Estimate, Float, Outcome, Photo, Verdict
 
 _RELIABLE_RESIDUAL = 0.08  # [stop]
@@ -89,7 +88,7 @@ def calibrate_bracket(
             _coverage(codes, usable, solved),
             Verdict.RELIABLE if reliable else Verdict.WEAK,
             bracket_reasons(solved),
-            expected_of_sigma(solved.found, solved.sigma),
+            solved.in_stops,
         ),
         assumptions=(
             "linear light is relative: 1 is what the highest code stands for",

@@ -73,7 +73,12 @@ def expected_of_sigma(curve: InverseCRF, sigma: Float) -> InStops:
     relative = deviation / np.maximum(light, np.finfo(np.float64).tiny) / np.log(2.0)
     # A deviation of light as large as light itself: nothing is known but that it is dark.
     relative = np.minimum(relative, -DARKEST)
-    stops = np.hypot(relative, relative[:, [MID_GRAY]])
+    return expected_of_deviation(np.hypot(relative, relative[:, [MID_GRAY]]))
+
+
+def expected_of_deviation(deviation: Float) -> InStops:
+    """What to expect of deviations in stops, (3, 256), with the factor taken out at mid-gray."""
+    stops = np.minimum(deviation, -DARKEST)
     stops[:, MID_GRAY] = 0.0
     mid, shadows = (
         _MEAN_OF_DEVIATION * mean_over(stops, span) for span in (MID_CODES, SHADOW_CODES)

@@ -22,7 +22,6 @@ from facecrf_ocio.pair.bracket_curve import (
     solve_bracket,
 )
 from facecrf_ocio.pair.code_samples import read_samples
-from facecrf_ocio.response.expected_stops import expected_of_sigma
 from facecrf_ocio.values import Confidence, Estimate, Float, InverseCRF, Outcome, Verdict
 
 MOST = 100
@@ -112,7 +111,7 @@ def bracket_estimate(
             shown,
             Verdict.RELIABLE,
             tuple(reasons),
-            expected_of_sigma(solved.found, solved.sigma),
+            solved.in_stops,
         ),
     )
 
