@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
+import OpenImageIO as oiio  # noqa: N813
 import pytest
 from archive_photos import linear_face, write_picture
 from command_line import CommandLine
 
+from facecrf_ocio.calibrate import calibrate
 from facecrf_ocio.clip.calibrate_clip import _drift, calibrate_clip
 from facecrf_ocio.clip.clip_source import open_clip
-from facecrf_ocio.clip.exr_sequence import timecode
+from facecrf_ocio.clip.exr_sequence import timecode, write_sequence
 from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.image.exr_header import packed
 from facecrf_ocio.synthetic import encode, gamma_curve
 from facecrf_ocio.values import Outcome
 
@@ -88,6 +91,31 @@ def test_time_codes_count_frames():
     assert timecode(0.0, 24.0) == "00:00:00:00"
     assert timecode(3661.5, 24.0) == "01:01:01:12"
     assert timecode(1.0, 29.97) == "00:00:01:00"
+
+
+@pytest.mark.parametrize(
+    ("told", "rate", "digits"),
+    [
+        ("01:02:03:04", 24.0, 0x01020304),
+        ("23:59:58:29", 29.97, 0x23595829),
+        ("00:00:00:59", 60.0, 0x00000029),  # the 30th pair of frames
+    ],
+)
+def test_a_time_code_is_packed_as_decimal_digits(told, rate, digits):
+    assert packed(told, rate) == digits
+
+
+def test_frames_written_have_the_time_code_that_openexr_has(tmp_path):
+    clip = open_clip(sequence(tmp_path / "in", 30))
+    estimate = calibrate(next(clip.read([0])), estimator="srgb")
+    written = [path for path, _ in write_sequence(clip, estimate, tmp_path / "out")]
+    spec = oiio.ImageInput.open(str(written[25])).spec()
+    assert spec.get_string_attribute("smpte:TimeCode") == "00:00:01:01"
+    assert spec.getattribute("smpte:TimeCode")[0] == 0x00000101
+    # A run that was broken off goes on: only what is not there is written.
+    written[3].unlink()
+    there = [was for _, was in write_sequence(clip, estimate, tmp_path / "out")]
+    assert there.count(False) == 1
 
 
 def test_a_drift_of_three_hundredths_is_seen_through_the_frames_scatter():

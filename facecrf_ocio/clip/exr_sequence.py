@@ -44,6 +44,7 @@ def write_sequence(
                 "curve": digest,
                 "frame": clip.names[index],
                 "timecode": timecode(clip.times[index], clip.rate),
+                "frames_per_second": f"{clip.rate:.6g}",
             }
             rows = photo.encoded if photo.scene_linear else linear_rows(photo, lookup)
             yield (

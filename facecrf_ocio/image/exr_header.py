@@ -40,6 +40,9 @@ _LONGEST = 1 << 16
 """[characters] Of one text; EXIF has room for no more."""
 
 
+_PAIRS = 30.5  # [1/s] from which time codes count pairs of frames; 29.97 counts to 29
+
+
 def exr_header(
     size: tuple[int, ...],
     channels: Sequence[str],
@@ -61,7 +64,23 @@ def exr_header(
     notes = {"primaries": _primaries_note(photo.primaries), **provenance}
     for name, value in notes.items():
         header.attribute(f"facecrf:{name}", value)
+    if "timecode" in provenance:
+        digits = packed(provenance["timecode"], float(provenance["frames_per_second"]))
+        header.attribute("smpte:TimeCode", oiio.TypeTimeCode, (digits, 0))
     return header
+
+
+def packed(timecode: str, rate: float) -> int:
+    """HH:MM:SS:FF as OpenEXR's `timeCode` holds it: decimal digits of four bits (SMPTE ST 12-1).
+
+    Two bits are left for tens of frames, so that above 30 frames a second pairs are counted, as
+    the standard has it.
+    """
+    hours, minutes, seconds, frames = map(int, timecode.split(":"))
+    code = 0
+    for part in (hours % 24, minutes, seconds, frames // 2 if rate > _PAIRS else frames):
+        code = code << 8 | part // 10 << 4 | part % 10
+    return code
 
 
 def tag_primaries(header: oiio.ImageSpec, primaries: Primaries | None) -> None:
