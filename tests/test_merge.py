@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
+from pathlib import Path
+
 import cv2
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813
@@ -188,3 +191,13 @@ def test_the_command_writes_a_tagged_exr(capfd, tmp_path):
     assert spec["oiio:ColorSpace"] == "unknown"  # the photos tell no primaries
     again = CommandLine(capfd)("merge", *photos, "-o", target)
     assert again.code == 1
+
+
+@pytest.mark.slow
+def test_the_table_of_merges_has_ghosts_for_peers_and_fewer_for_us(monkeypatch):
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[1] / "examples"))
+    table = importlib.import_module("measure_merges")
+    monkeypatch.setattr(table, "SCENES", 1)
+    mine, theirs = table.measured(table.ours), table.measured(table.opencv("Robertson"))
+    assert mine[0] < 1.1 * theirs[0]
+    assert mine[4] < 0.3 * theirs[4]
