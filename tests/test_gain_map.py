@@ -130,7 +130,8 @@ def fraction_by_zero() -> bytes:
         (ultra_hdr_numbers(GainMapMax=[1, 2]), "2 numbers"),
         (ultra_hdr_numbers(GainMapMax=2, BaseRenditionIsHDR="True"), "itself is the HDR"),
         (iso_numbers([NUMBERS])[:-20], ""),
-        (fraction_by_zero(), "division by zero"),
+        (segment(0xE2, b"urn:iso:std:iso:ts:21496:-1\0" + bytes(4) + b"\x40\0"), "cut short"),
+        (fraction_by_zero(), "make no sense"),
         (xmp(f'apdi:AuxiliaryImageType="{APPLE}"'), "how bright"),
     ],
 )
@@ -142,6 +143,29 @@ def test_a_map_of_no_use_is_set_aside(tmp_path: Path, numbers: bytes, why: str) 
         assert why in photo.notes[0]
     with pytest.raises(SettingsError, match="no gain map"):
         write_rendition(tmp_path / "a.exr", photo)
+
+
+def test_a_map_that_is_cut_short_is_set_aside(tmp_path: Path) -> None:
+    """Its decoder would fill what is missing with gray, and the rendition with light of no one."""
+    path = write(tmp_path / "a.jpg", ultra_hdr_numbers(GainMapMax=2))
+    path.write_bytes(path.read_bytes()[:-40])
+    photo = read_photo(path)
+    assert photo.gain_map is None
+    assert photo.notes == ("its gain map was set aside: it is cut short",)
+
+
+@pytest.mark.parametrize(
+    "between",
+    [b"", bytes(700), jpeg(BASE[::2, ::2].copy())],
+    ids=["nothing", "padding", "a preview"],
+)
+def test_a_map_that_nothing_announces_is_found(tmp_path: Path, between: bytes) -> None:
+    """ISO 21496-1 alone: no XMP, no directory of pictures."""
+    path = tmp_path / "a.jpg"
+    path.write_bytes(jpeg(BASE) + between + with_segments(jpeg(BASE), iso_numbers([NUMBERS])))
+    found = read_photo(path).gain_map
+    assert found is not None
+    assert found.standard == "ISO 21496-1"
 
 
 def test_a_second_picture_that_is_no_map(tmp_path: Path) -> None:

@@ -54,7 +54,11 @@ def jpeg_gain_map(jpeg: JpegParts, orientation: int) -> tuple[GainMap | None, tu
             if numbers is not None:
                 found = GainMap(upright(_decoded(picture), orientation), *numbers)
                 return replace(found, base=jpeg.picture, orientation=orientation), ()
-    except (GainMapError, ValueError, struct.error, ZeroDivisionError, cv2.error) as error:
+    except struct.error:
+        return None, ("its gain map was set aside: its numbers are cut short",)
+    except ZeroDivisionError:
+        return None, ("its gain map was set aside: its numbers make no sense",)
+    except (GainMapError, ValueError, cv2.error) as error:
         return None, (f"its gain map was set aside: {plain_text(error)}",)
     return None, ()
 
@@ -75,6 +79,8 @@ def _decoded(picture: JpegParts) -> Any:
     if width * height == 0 or width * height > MAX_MEGAPIXELS * 1e6:
         raise GainMapError(f"it claims {width} x {height} pixels")
     flags = cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
+    if not picture.ended:
+        raise GainMapError("it is cut short")
     codes = cv2.imdecode(np.frombuffer(picture.picture, np.uint8), flags)
     if codes is None:
         raise GainMapError("it is damaged")
