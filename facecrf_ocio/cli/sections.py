@@ -22,7 +22,7 @@ EXAMPLES = {
     "calibrate": (
         "facecrf calibrate a.jpg -o luts",
         "facecrf calibrate a.jpg -o luts --formats cube --to acescg --plot",
-        "facecrf calibrate *.jpg -o luts --together",
+        "facecrf calibrate a.jpg b.jpg c.jpg -o luts --together",
     ),
     "linearize": (
         "facecrf linearize a.jpg -o a.exr",
@@ -42,8 +42,8 @@ EXAMPLES = {
     "cameras": ("facecrf cameras list",),
     "clip": ("facecrf clip frame.%04d.jpg -o luts --exr",),
     "merge": ("facecrf merge 1.jpg 2.jpg 3.jpg -o merged.exr",),
-    "ocio-config": ("facecrf ocio-config luts/*.spi1d -o photos.ocio",),
-    "lint": ("facecrf lint luts/*.cube",),
+    "ocio-config": ("facecrf ocio-config luts/a.spi1d luts/b.spi1d -o photos.ocio",),
+    "lint": ("facecrf lint luts/a.cube luts/b.cube",),
     "demo": ("facecrf demo",),
     "explain": ("facecrf explain verdicts",),
     "bench": ("facecrf bench synthetic --help",),
