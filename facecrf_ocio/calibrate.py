@@ -7,7 +7,9 @@ off to `published/estimate.py`. All of them are listed in `estimators.py`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -15,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.checks import unit_floats
-from facecrf_ocio.color.signals import decode_hlg, decode_pq
+from facecrf_ocio.color.signals import decode_hlg, decode_log, decode_pq
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.estimators import (
     ESTIMATORS,
@@ -39,6 +41,7 @@ from facecrf_ocio.settings import PRIORS, Settings
 from facecrf_ocio.values import (
     Confidence,
     Estimate,
+    Float,
     InStops,
     InverseCRF,
     Outcome,
@@ -188,10 +191,18 @@ def _already_linear(photo: Photo) -> Estimate:
     )
 
 
-# What the light is that a curve named by the file gives.
-_NAMED = {
-    "PQ": (decode_pq, "a display's, after grading, and not proven to be the scene's"),
-    "HLG": (decode_hlg, "the scene's only if nobody graded the picture"),
+_UNGRADED = "the scene's only if nobody graded the picture"
+# Curves that a file may name, by whom they are defined, and what their light is. The logarithms
+# (code points 9 and 10) reach over 2 and 2.5 decades.
+_NAMED: dict[str, tuple[Callable[[Float], Float], str, str]] = {
+    "PQ": (
+        decode_pq,
+        "ITU-R BT.2100",
+        "a display's, after grading, and not proven to be the scene's",
+    ),
+    "HLG": (decode_hlg, "ITU-R BT.2100", _UNGRADED),
+    "log 100:1": (partial(decode_log, decades=2.0), "ITU-T H.273", _UNGRADED),
+    "log 316:1": (partial(decode_log, decades=2.5), "ITU-T H.273", _UNGRADED),
 }
 _NAMED_SIZE = 4096
 """Samples of such a curve: linear between them, PQ is met within 0.2 % from code 16 of 255 on."""
@@ -199,14 +210,14 @@ _NAMED_SIZE = 4096
 
 def _named_by_file(photo: Photo) -> Estimate:
     """The curve that the file names, exactly; there is nothing to estimate."""
-    decode, light = _NAMED[photo.named_curve]
+    decode, source, light = _NAMED[photo.named_curve]
     encoded = np.linspace(0.0, 1.0, _NAMED_SIZE)
     linear = decode(encoded)
     linear[0], linear[-1] = 0.0, 1.0  # but for rounding
     return Estimate(
         Outcome.NAMED,
         "none",
-        f"the file names {photo.named_curve} (ITU-R BT.2100), used exactly; its light is {light}",
+        f"the file names {photo.named_curve} ({source}), used exactly; its light is {light}",
         found=InverseCRF(encoded, np.tile(linear, (3, 1))),
         confidence=Confidence(
             np.zeros((3, _NAMED_SIZE)),

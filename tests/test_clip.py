@@ -79,12 +79,20 @@ class TestFrames:
         assert levels == pytest.approx([0.5 * n / 40 for n in (3, 20, 37)], abs=0.01)
 
 
-@pytest.mark.parametrize(("trc", "name"), [(16, "PQ"), (18, "HLG")])
+@pytest.mark.parametrize(("trc", "name"), [(16, "PQ"), (18, "HLG"), (9, "log 100:1")])
 def test_a_curve_that_the_stream_names_is_used(tmp_path, trc, name):
     clip = open_clip(write_video(tmp_path / "a.mp4", [RAMP] * 3, trc=trc))
     estimate = calibrate_clip(clip).estimate
     assert estimate.outcome is Outcome.NAMED
     assert name in estimate.reason
+
+
+@pytest.mark.parametrize(("trc", "darkest"), [(9, 1 / 100), (10, 10**-2.5)])
+def test_a_logarithm_that_the_stream_names_is_undone(tmp_path, trc, darkest):
+    clip = open_clip(write_video(tmp_path / "a.mp4", [RAMP] * 3, trc=trc))
+    curve = calibrate_clip(clip).estimate.curve
+    light = curve.linearize(np.full((1, 1, 3), 0.5, np.float32))
+    assert light == pytest.approx(darkest**0.5, rel=1e-3)
 
 
 def test_time_codes_count_frames():

@@ -15,7 +15,7 @@ from facecrf_ocio.values import Photo
 
 # ITU-T H.273, table 3: characteristics that say what the codes mean. Others (BT.709, sRGB) name
 # what a display is to do, and cameras do as they like.
-_NAMED = {16: "PQ", 18: "HLG"}
+_NAMED = {9: "log 100:1", 10: "log 316:1", 16: "PQ", 18: "HLG"}
 _LINEAR = 8  # of the same table
 _UNEVEN = 1.5  # longest distance between frames over the shortest: a rate that varies
 _HD_ROWS = 720  # [px] from which streams that state no matrix mean BT.709's

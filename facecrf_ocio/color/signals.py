@@ -1,4 +1,7 @@
-"""The curves of HDR television (ITU-R BT.2100-2, tables 4 and 5), white of the signal being 1."""
+"""Curves that code points name, white of the signal being 1.
+
+PQ and HLG are those of ITU-R BT.2100-2, tables 4 and 5; the logarithms those of ITU-T H.273.
+"""
 
 from __future__ import annotations
 
@@ -22,3 +25,8 @@ def decode_hlg(encoded: npt.ArrayLike) -> Float:
     """Light of the scene, 1 being the brightest, of code values in [0, 1]."""
     codes = np.asarray(encoded, float)
     return np.where(codes <= 0.5, codes**2 / 3, (np.exp((codes - _C) / _A) + _B) / 12)
+
+
+def decode_log(encoded: npt.ArrayLike, decades: float) -> Float:
+    """Light of the scene by a logarithm over so many decades below white (H.273, table 3)."""
+    return np.asarray(10.0 ** (decades * (np.asarray(encoded, float) - 1.0)))
