@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -235,6 +235,7 @@ def test_thinned_numbers_come_back_within_their_tolerance(rows: np.ndarray) -> N
     nodes=st.lists(st.floats(0.0, 1.0), min_size=2, max_size=60),
     bend=st.floats(0.0, 3.0),
 )
+@example(nodes=[0.25, 0.5, 0, 0, 0, 1, 0.25, 0, 0.671875, 0.25], bend=2.875)
 def test_what_was_read_back_is_written_the_same_again(nodes: list[float], bend: float) -> None:
     places = np.linspace(0.0, 1.0, 4096)
     row = np.interp(places, np.linspace(0.0, 1.0, len(nodes)), nodes) ** (1.0 + bend)

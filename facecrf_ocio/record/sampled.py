@@ -55,9 +55,12 @@ def thinned(rows: Float) -> list[object]:
 
 
 def _row_record(row: Float) -> object:
-    knots = _few_knots(row) if np.isfinite(row).all() else None
+    knots = _few_knots(row)
     if knots is None:
-        return [float(f"{number:.6g}") for number in row.tolist()]
+        row = np.array([float(f"{number:.6g}") for number in row.tolist()])
+        knots = _few_knots(row)  # as whoever reads and writes it again would see it
+    if knots is None:
+        return row.tolist()
     back = np.interp(np.arange(row.size), knots, row[knots].round(_DECIMALS))
     knots = _bends(back)  # without those that rounding made superfluous
     return {"at": knots.tolist(), "is": back[knots].round(_DECIMALS).tolist()}
@@ -79,7 +82,12 @@ def _read_row(row: Any) -> Float:
 
 
 def _few_knots(row: Float) -> npt.NDArray[np.intp] | None:
-    """Indices between which (K,) is linear enough, None if that takes more than K / 4."""
+    """Indices between which (K,) is linear enough, None if that takes more than K / 4.
+
+    None as well where a number is not finite.
+    """
+    if not np.isfinite(row).all():
+        return None
     knots = _bends(row)
     if 4 * knots.size >= row.size:
         knots = _knots(row)
