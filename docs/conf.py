@@ -26,7 +26,7 @@ sphinx_gallery_conf = {
     "examples_dirs": "../examples",
     "gallery_dirs": "gallery",
     "filename_pattern": r"/0[125]_",
-    "ignore_pattern": r"make_",
+    "ignore_pattern": r"make_|measure_",
     "download_all_examples": False,
     "show_memory": False,
     "abort_on_example_error": True,
