@@ -131,3 +131,10 @@ def test_what_ships_is_under_5_mb():
             if path.is_file() and "__pycache__" not in path.parts:
                 wheel.write(path, path.relative_to(PACKAGE.parent).as_posix())
     assert packed.tell() + METADATA < LARGEST_WHEEL
+
+
+def test_the_citation_names_this_version():
+    citation = PACKAGE.parent / "CITATION.cff"
+    if not citation.is_file():
+        pytest.skip("the package is installed apart from the project")
+    assert f"version: {facecrf_ocio.__version__}\n" in citation.read_text(encoding="utf-8")
