@@ -30,7 +30,7 @@ from facecrf_ocio.image.linearize import write_linear
 photo = read_photo(sys.argv[1])
 estimate = calibrate(photo, estimator="auto")
 write_linear(Path(sys.argv[2]), photo, estimate)
-print(photo.bit_depth, photo.encoded.shape, estimate.outcome, sep="|")
+print(photo.bit_depth, photo.shape, estimate.outcome, sep="|")
 print(next(line for line in open("/proc/self/status") if line.startswith("VmHWM")).split()[1])
 """
 
