@@ -54,9 +54,17 @@ class Meter:
 
 
 def _children() -> list[int]:
+    """Processes that ask OpenColorIO; earlier tests may have left others of this process."""
     here = os.getpid()
     listed = Path(f"/proc/{here}/task/{here}/children").read_text().split()
-    return [int(process) for process in listed]
+    return [int(process) for process in listed if b"ocio_child" in _command(process)]
+
+
+def _command(process: str) -> bytes:
+    try:
+        return Path(f"/proc/{process}/cmdline").read_bytes()
+    except OSError:  # it ended meanwhile
+        return b""
 
 
 def _spent() -> float:
