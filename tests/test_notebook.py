@@ -26,7 +26,7 @@ def mean(photo):
 
 def test_the_band_drawn_is_the_one_of_the_report(mean):
     curves, stops = mean.plot().axes
-    assert curves.get_xlabel() == "encoded value"
+    assert curves.get_xlabel() == "encoded value (1: white)"
     assert stops.get_ylabel() == "stops above sRGB"
     half = 1.645 * mean.confidence.sigma[0]
     top = np.clip(mean.curve.linear[0] + half, 0, 1)

@@ -344,7 +344,7 @@ def test_the_command_tells_what_it_wrote_or_why_not_in_one_line(tmp_path, capfd)
     write_spi1d(luts / "p.spi1d", 2.2)
     (luts / "q.encode.spi1d").write_bytes((luts / "p.spi1d").read_bytes())
     for name, said in (
-        ("a.ocio", "config with 1 files beside it"),
+        ("a.ocio", "config with 1 file beside it"),
         ('ü $ "q".ocioz', "config with its LUTs inside"),
     ):
         ended = run("ocio-config", luts, "-o", tmp_path / name, "--to", "acescg")
