@@ -27,7 +27,7 @@ from facecrf_ocio.estimators import (
 )
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude, gather, shipped_joint
 from facecrf_ocio.joint.single_curve import gain_scatter
-from facecrf_ocio.joint.verdict import doubted
+from facecrf_ocio.joint.verdict import doubted, not_single
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.published.estimate import published_estimate
 from facecrf_ocio.response.fixed import fixed_curve, prior_confidence
@@ -160,8 +160,7 @@ def _doubted(estimate: Estimate, photo: Photo, most_scatter: float) -> Estimate:
     scatter = gain_scatter(photo)
     if scatter > most_scatter:
         found.append(f"its gain map strays from every single curve by {scatter:.2f} stops")
-    doubts = tuple(f"perhaps no single curve: {one}" for one in found)
-    return replace(estimate, confidence=doubted(told, doubts))
+    return replace(estimate, confidence=doubted(told, not_single(found)))
 
 
 def _photo(given: Photo | str | Path | npt.NDArray[Any]) -> Photo:

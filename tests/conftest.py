@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 import pytest
+from command_line import CommandLine
 from hypothesis import settings
 
 # How long an example takes says what else the machine does; speed is the benchmarks' matter.
@@ -21,6 +22,12 @@ def development_data() -> Path:
     if not (folder / "crf").is_dir():
         pytest.skip(f"development data are not in {folder}; set FACECRF_DATA")
     return folder
+
+
+@pytest.fixture
+def facecrf(capfd: pytest.CaptureFixture[str]) -> CommandLine:
+    """The command, run in this process; it holds that no traceback is printed."""
+    return CommandLine(capfd)
 
 
 @pytest.fixture

@@ -40,11 +40,6 @@ def tag_of(exr: Path) -> str:
     return str(oiio.ImageBuf(str(exr)).spec().get_string_attribute("colorInteropID"))
 
 
-@pytest.fixture
-def facecrf(capfd: pytest.CaptureFixture[str]) -> CommandLine:
-    return CommandLine(capfd)
-
-
 class TestDirection:
     def test_profiles_run_toward_light(self, tmp_path: Path) -> None:
         profile = write_lut(GAMMA, tmp_path / "a.icc", primaries=None)

@@ -6,16 +6,10 @@ import os
 import shutil
 from pathlib import Path
 
-import pytest
 from archive_photos import files, table
-from command_line import CommandLine, write_noise
+from command_line import write_noise
 
 from facecrf_ocio.files import folders
-
-
-@pytest.fixture
-def facecrf(capfd):
-    return CommandLine(capfd)
 
 
 def batch(facecrf, source, output, *more):

@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 
 import pytest
-from command_line import CODE, CommandLine, names_in, write_noise
+from command_line import CODE, names_in, write_noise
 
 from facecrf_ocio.archive.manifest.database import FILE, Manifest, Stamp
 from facecrf_ocio.archive.place import Place
@@ -21,11 +21,6 @@ from facecrf_ocio.archive.task import Recipe, Result, Task
 from facecrf_ocio.archive.work.processes import Limits, Workers
 
 COLUMNS = "name, size, sha256, recipe, state, outcome, verdict, estimator, reason, remedy, make"
-
-
-@pytest.fixture
-def facecrf(capfd):
-    return CommandLine(capfd)
 
 
 @pytest.fixture

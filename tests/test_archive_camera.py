@@ -7,7 +7,6 @@ import json
 import numpy as np
 import pytest
 from archive_photos import ONE, everything, files, table, write_face, write_picture
-from command_line import CommandLine
 
 from facecrf_ocio import read_photo
 from facecrf_ocio.record.sidecar import read_sidecar
@@ -18,11 +17,6 @@ pytestmark = pytest.mark.slow
 
 
 UNREADABLE = 3  # the exit code of `batch` where a photo failed
-
-
-@pytest.fixture
-def facecrf(capfd):
-    return CommandLine(capfd)
 
 
 @pytest.fixture

@@ -27,11 +27,6 @@ OPTIONS = ("--estimator", "mean", "--formats", "spi1d", "--exr")
 
 
 @pytest.fixture
-def facecrf(capfd: pytest.CaptureFixture[str]) -> CommandLine:
-    return CommandLine(capfd)
-
-
-@pytest.fixture
 def source(tmp_path: Path) -> Path:
     source = tmp_path / "photos"
     for number in range(6):

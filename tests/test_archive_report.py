@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from axe_core_python.selenium import Axe
 from browser import asked_for, chromium, use_theme
-from command_line import CommandLine, names_in, write_noise
+from command_line import names_in, write_noise
 from PIL import Image
 from selenium.webdriver import ActionChains
 from selenium.webdriver.common.keys import Keys
@@ -114,11 +114,6 @@ def change(output: Path, *statements: tuple[str, ...]) -> None:
         for text, *values in statements:
             base.execute(text, values)
     base.close()
-
-
-@pytest.fixture
-def facecrf(capfd):
-    return CommandLine(capfd)
 
 
 @pytest.fixture(scope="module")

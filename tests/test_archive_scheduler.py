@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from command_line import CODE, CommandLine, write_noise
+from command_line import CODE, write_noise
 from dask_cluster import Certificates, DaskCluster
 from test_archive_batch import archive, files, rows  # noqa: F401 - a fixture
 
@@ -28,11 +28,6 @@ from facecrf_ocio.files.versions import difference, versions
 
 OPTIONS = ("--estimator", "mean", "--formats", "spi1d")
 NOWHERE = "tcp://127.0.0.1:1"  # tcpmux, which nobody runs
-
-
-@pytest.fixture
-def facecrf(capfd):
-    return CommandLine(capfd)
 
 
 @pytest.fixture(scope="module")

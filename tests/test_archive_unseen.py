@@ -7,17 +7,12 @@ import sqlite3
 from pathlib import Path
 
 import pytest
-from command_line import CommandLine, write_noise
+from command_line import write_noise
 
 from facecrf_ocio.archive.manifest.database import FILE
 
 OPTIONS = ("--estimator", "mean", "--formats", "spi1d", "--jobs", "1")
 LINKS = ("gone.jpg", "loop.jpg")
-
-
-@pytest.fixture
-def facecrf(capfd: pytest.CaptureFixture[str]) -> CommandLine:
-    return CommandLine(capfd)
 
 
 @pytest.fixture

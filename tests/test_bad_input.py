@@ -20,11 +20,6 @@ from PIL import Image
 UNREADABLE, NOTHING = 3, 4
 
 
-@pytest.fixture
-def facecrf(capfd: pytest.CaptureFixture[str]) -> CommandLine:
-    return CommandLine(capfd)
-
-
 def cut_short(path: Path) -> None:
     write_noise(path, size=(200, 300))
     content = path.read_bytes()

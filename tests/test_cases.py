@@ -48,11 +48,6 @@ def cases() -> Path:
     return folder
 
 
-@pytest.fixture
-def facecrf(capfd: pytest.CaptureFixture[str]) -> CommandLine:
-    return CommandLine(capfd)  # which holds that there is no traceback
-
-
 def luts(cases: Path) -> list[Path]:
     found = (path for path in sorted((cases / "luts").rglob("*")) if path.is_file())
     return [path for path in found if path.suffix != ".exr"]

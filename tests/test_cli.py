@@ -45,11 +45,6 @@ BLIND = ("--estimator", "srgb")  # needs no face, so a photo of noise will do
 
 
 @pytest.fixture
-def facecrf(capfd: pytest.CaptureFixture[str]) -> CommandLine:
-    return CommandLine(capfd)
-
-
-@pytest.fixture
 def photo(tmp_path: Path) -> Path:
     return write_noise(tmp_path / "a.png")
 

@@ -22,11 +22,6 @@ TURNED = ("exif orientation_long.jpg", "exif big_endian.jpg", "xmp xmp_other_pre
 WHOLE = ("jpeg zeros_between.jpg", "jpeg stray_before_frame.jpg", "jpeg end_cut.jpg")
 
 
-@pytest.fixture
-def facecrf(capfd: pytest.CaptureFixture[str]) -> CommandLine:
-    return CommandLine(capfd)
-
-
 def told(err: str) -> list[str]:
     return [line for line in err.splitlines() if line.startswith("facecrf: ")]
 

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from facecrf_ocio.benchmark.conditions import SAMPLINGS, Conditions
 from facecrf_ocio.benchmark.virtual_camera import FULL_WELL_ISO_100, READ_NOISE
-from facecrf_ocio.image.cheek import LUMINANCE
+from facecrf_ocio.color.primaries import LUMINANCE
 from facecrf_ocio.values import Float
 
 Image = npt.NDArray[np.float32]

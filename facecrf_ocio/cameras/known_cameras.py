@@ -136,19 +136,22 @@ def joined(one: Iterable[KnownCamera], other: Iterable[KnownCamera]) -> tuple[Kn
     return tuple({camera.key: camera for camera in (*one, *other)}.values())
 
 
+def as_compared(name: str) -> str:
+    """A make or a model as two of them are compared."""
+    return name.strip().casefold()
+
+
 def matching(cameras: Iterable[KnownCamera], make: str, model: str) -> tuple[KnownCamera, ...]:
     """Those of this make and model, the surest first. Makes are compared by their first word."""
 
-    def name(text: str) -> str:
-        return text.strip().casefold()
-
     def first(text: str) -> str:
-        return (name(text).split() or [""])[0]
+        return (as_compared(text).split() or [""])[0]
 
     found = [
         one
         for one in cameras
-        if name(one.model) == name(model) and (first(one.make) == first(make) or not make)
+        if as_compared(one.model) == as_compared(model)
+        and (first(one.make) == first(make) or not make)
     ]
     return tuple(sorted(found, key=lambda one: (one.grade, one.spread_stops)))
 

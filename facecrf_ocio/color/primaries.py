@@ -21,6 +21,9 @@ KNOWN_PRIMARIES = {
     "ProPhoto": ((0.7347, 0.2653), (0.1596, 0.8404), (0.0366, 0.0001), D50),
 }
 
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+"""Of red, green and blue of Rec.709; with other primaries luminance differs by < 0.1 stops."""
+
 # The space itself, as primaries of which RGB is XYZ. OpenColorIO's profiles lead there, D65 being
 # white; as an attribute of a file the white must be E, or readers would scale the axes.
 CIE_XYZ = Primaries("CIE XYZ", (1.0, 0.0), (0.0, 1.0), (0.0, 0.0), (1 / 3, 1 / 3), "ICC profile")

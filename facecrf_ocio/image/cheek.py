@@ -5,6 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from facecrf_ocio.color.primaries import LUMINANCE
 from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.face.skin_mask import find_skin
 from facecrf_ocio.face.view import MIN_SKIN_PIXELS, FaceView, cut_face
@@ -15,7 +16,6 @@ from facecrf_ocio.values import Bool, InverseCRF, Photo
 _RIGHT_CHEEK = (50, 101, 36, 205, 187, 123, 117, 118)
 _LEFT_CHEEK = (280, 330, 266, 425, 411, 352, 346, 347)  # vertices
 _LEAST = MIN_SKIN_PIXELS // 8  # pixels; a cheek is about an eighth of a face's skin
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # Rec.709; other primaries differ by < 0.1 stops
 
 
 def lit_cheek(photo: Photo, curve: InverseCRF) -> float | None:

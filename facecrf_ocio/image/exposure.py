@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from facecrf_ocio.color.primaries import LUMINANCE
 from facecrf_ocio.errors import PhotoError, SettingsError
-from facecrf_ocio.image.cheek import LUMINANCE, lit_cheek
+from facecrf_ocio.image.cheek import lit_cheek
 from facecrf_ocio.photo.pixels import code_values
 from facecrf_ocio.values import InverseCRF, Photo
 

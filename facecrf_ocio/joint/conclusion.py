@@ -18,7 +18,7 @@ from facecrf_ocio.joint.fuse import average, multiply, widened
 from facecrf_ocio.joint.known_response import KnownResponse, known_response
 from facecrf_ocio.joint.messages import COMBINED, Networks, networks_of
 from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior, prior_of
-from facecrf_ocio.joint.verdict import deviations, doubted, judge, verdict_of
+from facecrf_ocio.joint.verdict import deviations, doubted, judge, not_single, verdict_of
 from facecrf_ocio.response.coverage import coverage_at
 from facecrf_ocio.response.model import inverse_crf, strictly_increasing
 from facecrf_ocio.values import (
@@ -134,7 +134,7 @@ def conclude(
     found = inverse_crf(model.prior.grid, curve)
     confidence = _confidence(telling, posterior, found, model, dissent)
     confidence = _with_cameras(confidence, known, dissent)
-    confidence = doubted(confidence, _not_single(named))
+    confidence = doubted(confidence, _doubts_of(named))
     if not telling:
         none = PhotoEvidence({}, np.empty(0), lacking="no photo given")
         first = evidence[0] if evidence else none
@@ -160,14 +160,11 @@ def conclude(
     )
 
 
-def _not_single(named: Mapping[str, PhotoEvidence]) -> tuple[str, ...]:
+def _doubts_of(named: Mapping[str, PhotoEvidence]) -> tuple[str, ...]:
     """What speaks against any single curve; of several photos, with their names."""
     said = {name: one.doubt for name, one in named.items() if one.doubt}
     alone = len(named) == 1
-    return tuple(
-        f"perhaps no single curve: {doubt if alone else f'{name}: {doubt}'}"
-        for name, doubt in said.items()
-    )
+    return not_single(doubt if alone else f"{name}: {doubt}" for name, doubt in said.items())
 
 
 def _known(
@@ -193,13 +190,13 @@ def _with_cameras(
     if not known:
         return confidence
     named = dict.fromkeys(_measured(one) for one in known.values())
-    counted = (f"{one} counts as evidence" for one in named if one not in dissent)
+    agreeing = (f"{one} counts as evidence" for one in named if one not in dissent)
     doubts = (
         f"the photo contradicts {one}: another picture style, or edited"
         for one in named
         if one in dissent
     )
-    told = replace(confidence, reasons=(*confidence.reasons, *counted))
+    told = replace(confidence, reasons=(*confidence.reasons, *agreeing))
     return doubted(told, tuple(doubts))
 
 

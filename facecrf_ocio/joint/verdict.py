@@ -6,6 +6,7 @@ sRGB is a statement of its own, `Confidence.differs_from_srgb`.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -41,6 +42,11 @@ def doubted(confidence: Confidence, doubts: tuple[str, ...]) -> Confidence:
         verdict=Verdict.WEAK if weak else confidence.verdict,
         doubts=(*confidence.doubts, *doubts),
     )
+
+
+def not_single(found: Iterable[str]) -> tuple[str, ...]:
+    """Doubts that any one curve of a camera made a photo, by what was found."""
+    return tuple(f"perhaps no single curve: {one}" for one in found)
 
 
 def judge(

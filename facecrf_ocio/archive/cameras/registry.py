@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from facecrf_ocio.archive.manifest.camera_rows import models, take_back
 from facecrf_ocio.archive.manifest.damage import understanding
 from facecrf_ocio.archive.manifest.database import Manifest
-from facecrf_ocio.cameras.known_cameras import KnownCamera, own_cameras
+from facecrf_ocio.cameras.known_cameras import KnownCamera, as_compared, own_cameras
 
 _FACT = "cameras"
 
@@ -36,7 +36,7 @@ def reopen_measured(manifest: Manifest) -> int:
     changed = {model for model, _ in now.items() ^ before.items()}
     if not changed:
         return 0
-    affected = [model for model in models(manifest) if _name(model) in changed]
+    affected = [model for model in models(manifest) if as_compared(model) in changed]
     with manifest.transaction():
         count = sum(take_back(manifest, model) for model in affected)
         manifest.note(_FACT, json.dumps(now, sort_keys=True))
@@ -48,13 +48,8 @@ def _digests(cameras: tuple[KnownCamera, ...]) -> dict[str, str]:
     of_model: dict[str, list[str]] = {}
     for one in cameras:
         said = json.dumps([*one.key, one.grade, one.spread_stops, one.linear])
-        of_model.setdefault(_name(one.model), []).append(said)
+        of_model.setdefault(as_compared(one.model), []).append(said)
     return {
         model: hashlib.sha256("\n".join(sorted(said)).encode()).hexdigest()
         for model, said in of_model.items()
     }
-
-
-def _name(model: str) -> str:
-    """A model as `known_cameras.matching` compares it."""
-    return model.strip().casefold()

@@ -104,12 +104,8 @@ class _Camera:
         former: str,
         reopened: Reopened,
     ) -> None:
-        self.manifest, self.key, self.recipe_sha256, self.curve = (
-            manifest,
-            key,
-            recipe_sha256,
-            curve,
-        )
+        self.manifest, self.key, self.curve = manifest, key, curve
+        self.recipe_sha256 = recipe_sha256
         self.alone = alone
         self.same = former == curve.sha256
         self.reopened = reopened

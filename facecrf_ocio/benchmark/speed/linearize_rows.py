@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -82,10 +83,7 @@ def _slowest(codes: Pixels, lut: Path, cores: int, repeat: int) -> SpeedRow:
     name, (ours, floor) = max(pairs.items(), key=lambda item: _ratio(item[1]))
     work = f"apply, slowest pair ({name}), {cores} {'core' if cores == 1 else 'cores'}"
     told = in_ratio(f"apply_{'one' if cores == 1 else 'all'}", work, ours, floor, 1 / _APPLY)
-    return SpeedRow(
-        *(told.key, work, told.ours, told.floor, 1 / told.ratio, told.ratio, told.cpu, _APPLY),
-        more=True,
-    )
+    return replace(told, value=1 / told.ratio, wanted=_APPLY, more=True)
 
 
 def _ratio(timed: Sequence[Timed]) -> float:
