@@ -223,15 +223,8 @@ class Manifest:
         self.change(
             f"INSERT OR REPLACE INTO photos ({_COLUMNS}) "  # noqa: S608
             f"VALUES ({', '.join('?' * 21)})",
-            *(
-                key,
-                stamp.size,
-                stamp.mtime_ns,
-                stamp.ctime_ns,
-                result.sha256,
-                stamp.recipe_sha256,
-                state,
-            ),
+            *(key, stamp.size, stamp.mtime_ns, stamp.ctime_ns),
+            *(result.sha256, stamp.recipe_sha256, state),
             *(result.outcome, result.verdict, result.estimator, plain_text(result.reason)),
             *(plain_text(result.remedy), *map(plain_text, result.camera)),
             *(result.timing.read, result.timing.estimate, result.timing.write),
