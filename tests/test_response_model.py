@@ -167,12 +167,12 @@ def test_strictly_increasing_only_shifts_and_scales_what_rises(increments, shift
     assert np.allclose(strictly_increasing(shift + scale * curve), expected, atol=1e-9)
 
 
-def test_saving_and_loading_keeps_the_model(tmp_path):
+def test_saving_and_loading_keeps_the_model_to_single_precision(tmp_path):
     model = dorf_model()
     model.save(tmp_path / "m.npz")
     again = load_model(tmp_path / "m.npz")
     for name in ARRAYS:
-        assert np.array_equal(getattr(again, name), getattr(model, name))
+        assert np.abs(getattr(again, name) - getattr(model, name)).max() < 1e-7
     assert np.array_equal(again.mixture.means, model.mixture.means)
 
 

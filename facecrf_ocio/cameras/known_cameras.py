@@ -41,7 +41,7 @@ class KnownCamera:
     proof
         What it was measured from: names and hashes of files, or the public sets of photos.
     linear
-        (3, POINTS) linear light at uniform code values.
+        (3, N) linear light at uniform code values; N is POINTS where we measured it ourselves.
     """
 
     make: str
@@ -56,7 +56,8 @@ class KnownCamera:
     @property
     def curve(self) -> InverseCRF:
         """The response, at 4096 code values."""
-        return inverse_crf(np.linspace(0.0, 1.0, POINTS), np.array(self.linear))
+        linear = np.array(self.linear)
+        return inverse_crf(np.linspace(0.0, 1.0, linear.shape[1]), linear)
 
     @property
     def key(self) -> tuple[str, ...]:

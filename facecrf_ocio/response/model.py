@@ -58,13 +58,13 @@ class ResponseModel:
         return inverse_crf(self.grid, samples)
 
     def save(self, path: Path) -> None:
-        """Write the model as .npz; the same model gives the same bytes of every array."""
+        """Write the model as .npz, in single precision: 1e-7 of full scale, and half the bytes."""
         np.savez_compressed(
             path,
-            mean=self.mean,
-            basis=self.basis,
-            mixture_means=self.mixture.means,
-            mixture_covariances=self.mixture.covariances,
+            mean=self.mean.astype(np.float32),
+            basis=self.basis.astype(np.float32),
+            mixture_means=self.mixture.means.astype(np.float32),
+            mixture_covariances=self.mixture.covariances.astype(np.float32),
         )
 
 
@@ -91,13 +91,19 @@ def strictly_increasing(samples: Float | list[Float]) -> Float:
 def load_model(path: Path) -> ResponseModel:
     """Read a model written by `ResponseModel.save`."""
     with np.load(path) as stored:
-        mean = stored["mean"]
-        return ResponseModel(
-            np.linspace(0.0, 1.0, mean.size),
-            mean,
-            stored["basis"],
-            Mixture(stored["mixture_means"], stored["mixture_covariances"]),
-        )
+        exact = {name: stored[name].astype(np.float64) for name in stored.files}
+    return ResponseModel(
+        np.linspace(0.0, 1.0, exact["mean"].size),
+        exact["mean"],
+        _orthonormal(exact["basis"]),
+        Mixture(exact["mixture_means"], exact["mixture_covariances"]),
+    )
+
+
+def _orthonormal(rows: Float) -> Float:
+    """Rows that single precision left orthonormal to 1e-8, orthonormal to the last digit."""
+    columns, mixing = np.linalg.qr(rows.T)
+    return np.asarray((columns * np.sign(np.diag(mixing))).T)
 
 
 @cache
