@@ -29,7 +29,6 @@ from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude, gather, ship
 from facecrf_ocio.joint.single_curve import gain_scatter
 from facecrf_ocio.joint.verdict import doubted, not_single
 from facecrf_ocio.photo.read import read_photo
-from facecrf_ocio.published.estimate import published_estimate
 from facecrf_ocio.response.fixed import fixed_curve, prior_confidence
 from facecrf_ocio.response.model import (
     CURVE_SIZE,
@@ -124,6 +123,9 @@ def calibrate(
         refuse = estimator == "auto" or fallback != "none"
         estimate = _joint(photo, evidence, prior, joint, refuse=refuse)
     else:
+        # SciPy is slow to import, and the default estimator goes without it.
+        from facecrf_ocio.published.estimate import published_estimate  # noqa: PLC0415
+
         estimate = published_estimate(ESTIMATORS[estimator], photo, response, settings)
         estimate = replace(estimate, assumptions=assumptions_of(photo))
     estimate = _doubted(estimate, photo, settings.most_scatter)

@@ -10,6 +10,7 @@ from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
+from command_line import write_noise
 
 import facecrf_ocio
 
@@ -165,6 +166,27 @@ def test_help_brings_no_heavy_library():
     modules = set(result.stdout.rpartition("modules ")[2].split())
     assert "facecrf_ocio" in modules
     assert not HEAVY & modules
+
+
+def test_a_calibration_brings_what_it_needs_alone(tmp_path):
+    write_noise(tmp_path / "a.png")
+    code = (
+        "import sys\n"
+        "from facecrf_ocio.cli.facecrf import main\n"
+        "sys.argv = ['facecrf', 'calibrate', 'a.png', '-o', 'out']\n"
+        "try:\n    main()\n"
+        "except SystemExit as end:\n    assert end.code == 4\n"  # no face
+        "print('modules', *sys.modules)\n"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=tmp_path
+    )
+    modules = set(result.stdout.rpartition("modules ")[2].split())
+    assert "cv2" in modules
+    slow = {"scipy", "rawpy", "matplotlib", "PIL", "rich"}
+    others = {name for name in modules if name.endswith("_command")}
+    assert not slow & modules
+    assert others == {"facecrf_ocio.cli.calibrate_command"}
 
 
 def test_public_names_are_found_where_they_are_said_to_be():

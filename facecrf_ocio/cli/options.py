@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from facecrf_ocio.cli.beside import beside
 from facecrf_ocio.estimators import ESTIMATOR_NAMES, ESTIMATORS, FALLBACKS, JOINT_NAMES
 from facecrf_ocio.settings import PRIORS, VERDICTS, Settings
 
@@ -130,8 +131,23 @@ class Choices:
 
     def read_and_estimate(self, path: Path) -> tuple[Photo, Estimate]:
         """Read one photo and estimate its curve."""
-        photo = self.read(path)
+        with beside(self._prepare):
+            photo = self.read(path)
         return photo, self.estimate(photo)
+
+    def _prepare(self) -> None:
+        """Load what estimating needs: while a photo is decoded, Python has nothing to do."""
+        from facecrf_ocio.files.versions import versions
+
+        if self.estimator in JOINT_NAMES:
+            from facecrf_ocio import calibrate as calibrate  # noqa: PLC0414 - loads its module
+            from facecrf_ocio.face.landmarks import landmark_network
+            from facecrf_ocio.face.yunet import yunet_detector
+            from facecrf_ocio.joint import shipped_joint
+
+            for load in (shipped_joint, landmark_network, yunet_detector):
+                load()
+        versions()
 
     def estimate(self, photo: Photo) -> Estimate:
         """Estimate the curve of a photo."""

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, MutableMapping
+from importlib import import_module
+
 import click
 
 SECTIONS = {
@@ -50,6 +53,38 @@ EXAMPLES = {
 }
 
 
+class Commands(MutableMapping[str, click.Command]):
+    """The commands of `SECTIONS` by name, each imported when it is first asked for.
+
+    Command `a-b` is the function `a_b` of `a_b_command.py`; its help ends with its examples.
+    """
+
+    def __init__(self) -> None:
+        self._loaded: dict[str, click.Command | None] = {
+            name: None for names in SECTIONS.values() for name in names
+        }
+
+    def __getitem__(self, name: str) -> click.Command:
+        loaded = self._loaded[name]
+        if loaded is None:
+            function = name.replace("-", "_")
+            module = import_module(f"facecrf_ocio.cli.{function}_command")
+            loaded = self._loaded[name] = _with_examples(name, getattr(module, function))
+        return loaded
+
+    def __setitem__(self, name: str, command: click.Command) -> None:
+        self._loaded[name] = command
+
+    def __delitem__(self, name: str) -> None:
+        del self._loaded[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._loaded)
+
+    def __len__(self) -> int:
+        return len(self._loaded)
+
+
 class Sections(click.Group):
     """A group that lists its commands under headings, each with its whole first sentence."""
 
@@ -59,12 +94,12 @@ class Sections(click.Group):
             with formatter.section(heading):
                 formatter.write_dl([(name, _summary(self.commands[name])) for name in names])
 
-    def add_command(self, cmd: click.Command, name: str | None = None) -> None:
-        """Add one, whose help ends with examples."""
-        super().add_command(cmd, name)
-        lines = EXAMPLES.get(name or cmd.name or "", ())
-        if lines:
-            cmd.epilog = "\n\n".join(filter(None, (examples(lines), cmd.epilog)))
+
+def _with_examples(name: str, command: click.Command) -> click.Command:
+    lines = EXAMPLES.get(name, ())
+    if lines:
+        command.epilog = "\n\n".join(filter(None, (examples(lines), command.epilog)))
+    return command
 
 
 def examples(lines: tuple[str, ...]) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.face.candidate import Candidate
-from facecrf_ocio.face.networks import load_network
+from facecrf_ocio.face.networks import Network, load_network
 from facecrf_ocio.face.pyramid import Pyramid
 from facecrf_ocio.face.tone import Tone
 from facecrf_ocio.photo.pixels import Pixels, code_values
@@ -158,9 +158,13 @@ def _around(pixels: Pixels, to_level: Float) -> tuple[npt.NDArray[np.float32], F
     return code_values(part, 8), low
 
 
+def landmark_network() -> Network:
+    """The network that finds landmarks, read from disk once per process."""
+    return load_network("face_landmarks_detector.tflite", "Identity", "Identity_1")
+
+
 def _run(crop: npt.NDArray[np.float32]) -> tuple[Float, float]:
-    network = load_network("face_landmarks_detector.tflite", "Identity", "Identity_1")
-    landmarks, presence = network.run(crop)
+    landmarks, presence = landmark_network().run(crop)
     return landmarks.reshape(478, 3).astype(np.float64), float(presence.ravel()[0])
 
 

@@ -33,7 +33,7 @@ def detect_yunet(pixels: npt.NDArray[np.uint8], min_score: float) -> tuple[Candi
     if min(height, width) < _SMALLEST_SIDE:
         return ()
     with _LOCK:
-        detector = _detector()
+        detector = yunet_detector()
         detector.setInputSize((width, height))
         detector.setScoreThreshold(min_score)
         rows = detector.detect(cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR))[1]
@@ -51,7 +51,8 @@ def _candidate(row: npt.NDArray[np.float32]) -> Candidate:
 
 
 @cache
-def _detector() -> Any:
+def yunet_detector() -> Any:
+    """OpenCV's detector, made once per process."""
     model = str(model_path("face_detection_yunet_2023mar.onnx"))
     with _without_warnings():
         return cv2.FaceDetectorYN.create(model, "", (320, 320))

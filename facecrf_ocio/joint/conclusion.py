@@ -12,6 +12,7 @@ import numpy as np
 
 from facecrf_ocio.cameras.known_cameras import KnownCamera, known_cameras
 from facecrf_ocio.files.plain_text import counted
+from facecrf_ocio.files.stored_arrays import load_arrays
 from facecrf_ocio.joint.cue_weights import agreeing_shares
 from facecrf_ocio.joint.evidence import PhotoEvidence
 from facecrf_ocio.joint.fuse import average, multiply, widened
@@ -63,8 +64,7 @@ class JointModel:
 
 def load_joint(path: Path) -> JointModel:
     """Read a model that `train` wrote."""
-    with np.load(path, allow_pickle=False) as stored:
-        return joint_of(stored)
+    return joint_of(load_arrays(path))
 
 
 def joint_of(arrays: Mapping[str, Float]) -> JointModel:

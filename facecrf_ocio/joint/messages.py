@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from facecrf_ocio.files.stored_arrays import load_arrays
 from facecrf_ocio.joint.familiarity import Familiarity, familiarity_of
 from facecrf_ocio.joint.prior import Message
 from facecrf_ocio.joint.statistics import CUES
@@ -130,5 +131,4 @@ def _network(arrays: Mapping[str, Float], name: str) -> CueNetwork:
 @cache
 def shipped_networks() -> Networks:
     """The networks that ship."""
-    with np.load(Path(str(files("facecrf_ocio.joint") / "joint_model.npz"))) as stored:
-        return networks_of(stored)
+    return networks_of(load_arrays(Path(str(files("facecrf_ocio.joint") / "joint_model.npz"))))

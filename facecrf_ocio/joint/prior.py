@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from facecrf_ocio.errors import SettingsError
+from facecrf_ocio.files.stored_arrays import load_arrays
 from facecrf_ocio.settings import PRIORS
 from facecrf_ocio.values import Float, frozen
 
@@ -173,5 +174,4 @@ def prior_of(arrays: Mapping[str, Float]) -> FamilyPrior:
 @cache
 def shipped_prior() -> FamilyPrior:
     """The prior that ships, fitted to DoRF and to published modern responses."""
-    with np.load(Path(str(files("facecrf_ocio.joint") / "joint_model.npz"))) as stored:
-        return prior_of(stored)
+    return prior_of(load_arrays(Path(str(files("facecrf_ocio.joint") / "joint_model.npz"))))

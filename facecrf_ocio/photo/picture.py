@@ -12,7 +12,6 @@ import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio.files.plain_text import complaint
 from facecrf_ocio.photo.jpeg_segments import JpegParts, take_apart
-from facecrf_ocio.photo.raw import libraw_takes
 from facecrf_ocio.photo.suffixes import HEAD, RAW, Kind, kind_named, kind_of
 from facecrf_ocio.photo.tiff_pages import Page, holds_raw, photo_page
 from facecrf_ocio.photo.xmp import xmp_of
@@ -44,7 +43,12 @@ class PhotoFile:
             return self.kind is not None and self.kind.reader == RAW
         named = kind_named(self.path)
         plain = named is not None and named.name == "TIFF"
-        return holds_raw(self.content) or (not plain and libraw_takes(self.path))
+        told = holds_raw(self.content)
+        if told or plain:
+            return told
+        from facecrf_ocio.photo.raw import libraw_takes  # noqa: PLC0415 - LibRaw, for few photos
+
+        return libraw_takes(self.path)
 
     @cached_property
     def content(self) -> bytes:

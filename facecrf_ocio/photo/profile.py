@@ -30,7 +30,7 @@ def primaries_from_icc(profile: bytes) -> Primaries | None:
         None where the profile is damaged or has no RGB matrix (gray, CMYK, tables only).
     """
     try:
-        return _primaries(profile)
+        return _primaries(profile) if profile else None
     except _UnusableError:
         return None
 
@@ -38,9 +38,9 @@ def primaries_from_icc(profile: bytes) -> Primaries | None:
 def profile_notes(profile: bytes) -> tuple[str, ...]:
     """Why a file's profile is of no use and was set aside, in a clause; empty where it is sound."""
     try:
-        _primaries(profile)
+        _ = _primaries(profile) if profile else None
     except _UnusableError as error:
-        return (f"its ICC profile was set aside: {error}",) if profile else ()
+        return (f"its ICC profile was set aside: {error}",)
     return ()
 
 

@@ -25,7 +25,6 @@ from facecrf_ocio.photo.orientation import orientation_of, upright
 from facecrf_ocio.photo.picture import PhotoFile, Picture, open_image, open_picture
 from facecrf_ocio.photo.pixels import Pixels, code_values, is_gray, three_channels, unpremultiplied
 from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
-from facecrf_ocio.photo.raw import decode_raw
 from facecrf_ocio.photo.suffixes import HEIF
 from facecrf_ocio.values import Camera, Photo, Primaries, frozen
 
@@ -87,6 +86,8 @@ def read_photo(path: str | Path) -> Photo:
 
 def _read_raw(file: PhotoFile, sha256: str, problem: str, remedy: str) -> Photo:
     """What LibRaw reads; the problem is told if it does not know the file."""
+    from facecrf_ocio.photo.raw import decode_raw  # noqa: PLC0415 - LibRaw, for few photos
+
     file.forget()
     linear = decode_raw(file.path)
     if linear is None:
