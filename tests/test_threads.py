@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+import threading
 
 import click
 import cv2
 import pytest
 
 from facecrf_ocio.cli.facecrf import main
-from facecrf_ocio.files.threads import one_opencv_thread, usable_cores
+from facecrf_ocio.files.threads import meanwhile, one_opencv_thread, usable_cores
 
 
 def test_cores_are_those_that_this_process_may_use(monkeypatch):
@@ -34,3 +35,29 @@ def test_opencv_has_its_threads_again_afterward():
         assert cv2.getNumThreads() == 3
     finally:
         cv2.setNumThreads(former)
+
+
+@pytest.fixture
+def several_threads():
+    former = cv2.getNumThreads()
+    cv2.setNumThreads(2)
+    yield
+    cv2.setNumThreads(former)
+
+
+def test_work_begins_before_its_result_is_asked_for(several_threads):
+    begun = threading.Event()
+    ask = meanwhile(lambda: begun.set() or threading.get_ident())
+    assert begun.wait(timeout=60)
+    assert ask() != threading.get_ident()
+
+
+def test_work_is_done_in_this_thread_where_there_is_but_one(several_threads):
+    with one_opencv_thread():
+        ask = meanwhile(threading.get_ident)
+    assert ask() == threading.get_ident()
+
+
+def test_what_fails_in_a_thread_fails_where_it_is_asked_for(several_threads):
+    with pytest.raises(ZeroDivisionError):
+        meanwhile(lambda: 1 // 0)()

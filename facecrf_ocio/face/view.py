@@ -8,11 +8,13 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from facecrf_ocio.face.area_means import area_means
 from facecrf_ocio.face.geometry import FaceGeometry, face_geometry
 from facecrf_ocio.photo.pixels import Pixels, code_values, in_8_bits
 from facecrf_ocio.settings import FaceSettings
 from facecrf_ocio.values import Face, Photo
 
+_MANY_ROWS = 4  # of a photo for one at working size: from there on codes are summed first
 MIN_SKIN_PIXELS = 400  # of a face 160 px wide, a square of 20 px; fewer tell of one spot
 
 
@@ -54,8 +56,12 @@ def cut_face(
     face_width = float(np.ptp(points[:, 0]))
     scale = min(1.0, settings.face_width / face_width)
     size = (max(1, round(cut.shape[1] * scale)), max(1, round(cut.shape[0] * scale)))
-    # Channel by channel: a large face, rounded, would be a tenth of what a worker may take.
-    encoded = cv2.merge([_scaled(cut[..., c], size, to_8_bits=to_8_bits) for c in range(3)])
+    if cut.dtype == np.uint8 and cut.shape[0] >= _MANY_ROWS * size[1]:
+        encoded: Pixels = area_means(np.asarray(cut, np.uint8), size)
+    else:
+        # Channel by channel: a large face, rounded, would be a tenth of what a worker may take.
+        planes = [_scaled(cut[..., c], size, to_8_bits=to_8_bits) for c in range(3)]
+        encoded = np.asarray(cv2.merge(planes))
     geometry = face_geometry(
         face, (size[1], size[0]), origin=(float(left), float(top)), scale=scale
     )

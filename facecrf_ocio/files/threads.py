@@ -7,8 +7,12 @@ the last digits from machine to machine.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from typing import TypeVar
+
+_T = TypeVar("_T")
 
 
 def usable_cores() -> int:
@@ -26,6 +30,22 @@ def limit_to_one_thread() -> None:
 
     threadpool_limits(1)
     cv2.setNumThreads(1)
+
+
+def meanwhile(work: Callable[[], _T]) -> Callable[[], _T]:
+    """Begin some work in a thread of its own; returns what waits for its result.
+
+    Where OpenCV is held to one thread, as in the processes of a batch, it is done when its result
+    is asked for.
+    """
+    import cv2  # noqa: PLC0415 - heavy
+
+    if cv2.getNumThreads() < 2:
+        return work
+    pool = ThreadPoolExecutor(1)
+    result = pool.submit(work).result
+    pool.shutdown(wait=False)
+    return result
 
 
 @contextmanager

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.face.no_face import lacking_faces
 from facecrf_ocio.face.view import cut_face
+from facecrf_ocio.files.threads import meanwhile
 from facecrf_ocio.joint.messages import Networks, shipped_networks
 from facecrf_ocio.joint.metadata import modern_leaning, phone_leaning
 from facecrf_ocio.joint.prior import Message
@@ -165,6 +167,9 @@ def observe(photo: Photo, settings: JointSettings) -> Observation | Lacking:
     """Statistics of one photo and its largest face, or why there are none."""
     if photo.grayscale:
         return _colorless(photo)
+    # What needs no face to be found; the networks that find one leave a core free.
+    ask_tone = meanwhile(partial(toned, photo.pixels, settings))
+    count = meanwhile(partial(photo_counts, photo.pixels))
     found = find_faces(photo.pixels, settings, most=1)
     if not found.faces:
         return lacking_faces(found, settings)
@@ -172,7 +177,7 @@ def observe(photo: Photo, settings: JointSettings) -> Observation | Lacking:
     unfit = no_photograph(photo.pixels, face.box_xy, settings)
     if unfit is not None:
         return unfit
-    doubt = toned(photo.pixels, settings)
+    doubt = ask_tone()
     if isinstance(doubt, Lacking):
         return doubt
     # The networks know 8-bit photos: rounding is part of the noise they learned from.
@@ -181,9 +186,7 @@ def observe(photo: Photo, settings: JointSettings) -> Observation | Lacking:
     of_face = face_statistics(view, settings)
     if of_face is None:
         return Lacking("the face shows too little skin of one hue", _LARGER)
-    counted = counted_statistics(
-        photo_counts(photo.pixels), skin_counts(photo.pixels, view, of_face.skin)
-    )
+    counted = counted_statistics(count(), skin_counts(photo.pixels, view, of_face.skin))
     return Observation(replace(of_face, by_cue={**counted, **of_face.by_cue}), face, doubt)
 
 

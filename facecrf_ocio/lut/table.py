@@ -49,6 +49,6 @@ def table_rows(curve: InverseCRF) -> str:
 def rows_of(table: npt.NDArray[np.float32]) -> str:
     """Write (K, 3) as lines "R G B"; nine digits make float32 exact."""
     if (table == table[:, :1]).all():
-        numbers = (f"{value:.9g}" for value in table[:, 0].tolist())
-        return "".join(f"{number} {number} {number}\n" for number in numbers)
-    return "".join(f"{r:.9g} {g:.9g} {b:.9g}\n" for r, g, b in table.tolist())
+        numbers = ("%.9g\n" * len(table) % tuple(table[:, 0].tolist())).split()
+        return "".join([f"{number} {number} {number}\n" for number in numbers])
+    return "%.9g %.9g %.9g\n" * len(table) % tuple(table.ravel().tolist())

@@ -75,7 +75,8 @@ def _markers(content: bytes) -> npt.NDArray[np.intp]:
     codes = np.frombuffer(content, np.uint8)
     ends = np.ones(256, bool)
     ends[[0x00, 0xFF, *range(0xD0, 0xD8)]] = False
-    return np.flatnonzero((codes[:-1] == 0xFF) & ends[codes[1:]])
+    begins = np.flatnonzero(codes[:-1] == 0xFF)
+    return begins[ends[codes[begins + 1]]]
 
 
 class _Walk:
