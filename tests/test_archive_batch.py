@@ -286,11 +286,11 @@ def test_directions_and_working_spaces_are_those_of_calibrate(facecrf, archive, 
     made = {name for name in files(output) if name.startswith("a.jpg")}
     assert made == {f"a.jpg.{end}" for end in (*ends, "crf.json")}
     assert facecrf("verify", output).code == 0
-    # The command for single photos names its files after the stem, and holds the same in them.
+    # The command for single photos names its files alike, and holds the same in them.
     calibrate = ("calibrate", archive / "a.jpg", "-o", alone, *options, "--to", "acescg")
     assert facecrf(*calibrate).code == 0
     for end in ends:
-        assert (output / f"a.jpg.{end}").read_bytes() == (alone / f"a.{end}").read_bytes()
+        assert (output / f"a.jpg.{end}").read_bytes() == (alone / f"a.jpg.{end}").read_bytes()
     # Another direction or space is another recipe: all is redone, and nothing former is left.
     ended = facecrf(*run)
     assert "done before" not in ended.err

@@ -76,7 +76,7 @@ def test_a_real_stack_gives_the_curve_found_independently(capfd, tmp_path, devel
     photos = sorted(stack.glob("*.jpg"))[::2]
     ended = CommandLine(capfd)("bracket", *photos, "-o", tmp_path, "--formats", "spi1d")
     assert ended.code == 0, ended.err
-    told = read_sidecar(tmp_path / f"{photos[0].stem}.crf.json").estimate
+    told = read_sidecar(tmp_path / f"{photos[0].name}.crf.json").estimate
     with np.load(stored) as curves:
         place = list(curves["names"]).index("Canon EOS 5D (exposure stacks)")
         truth = np.interp(CODES, np.linspace(0, 1, 1024), curves["inverse"][place, 1])

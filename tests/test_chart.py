@@ -156,7 +156,7 @@ def test_the_command_and_the_registry(capfd, tmp_path, monkeypatch):
     given = [f"{x:.1f},{y:.1f}" for x, y in corners]
     ended = run("chart", photo, "--corners", *given, "-o", tmp_path, "--formats", "clf", "--plot")
     assert ended.code == 0, ended.err
-    record = tmp_path / "chart.crf.json"
+    record = tmp_path / "chart.jpg.crf.json"
     told = read_sidecar(record).estimate
     assert told.estimator == "chart"
     assert worst(told.curve, gamma_curve(2.2)) < 0.05

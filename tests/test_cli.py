@@ -40,7 +40,7 @@ from facecrf_ocio.files.atomic import Draft
 from facecrf_ocio.record.sidecar import read_sidecar
 
 DONE, FAILED, USAGE, UNREADABLE, NOTHING = range(5)
-ALL = {"a.spi1d", "a.cube", "a.clf", "a.crf.json"}
+ALL = {"a.png.spi1d", "a.png.cube", "a.png.clf", "a.png.crf.json"}
 BLIND = ("--estimator", "srgb")  # needs no face, so a photo of noise will do
 
 
@@ -96,7 +96,7 @@ class TestHelp:
             assert arguments[0] in command.commands
 
     def test_of_a_command_ends_with_examples(self, facecrf: CommandLine) -> None:
-        assert "Examples:\n    facecrf lint luts/a.cube" in facecrf("lint", "--help").out
+        assert "Examples:\n    facecrf lint luts/a.jpg.cube" in facecrf("lint", "--help").out
 
     def test_version(self, facecrf: CommandLine) -> None:
         assert __version__ in facecrf("--version").out
@@ -112,7 +112,7 @@ class TestCalibrate:
         first, *files = ended.out.splitlines()
         assert first.startswith(f"{photo}: fallback (prior only): ")
         assert {Path(line.strip()) for line in files} == {out / name for name in ALL}
-        curve = read_sidecar(out / "a.crf.json").estimate.found
+        curve = read_sidecar(out / "a.png.crf.json").estimate.found
         assert curve is not None
         assert np.allclose(curve.linear, srgb_decoding(curve.encoded), atol=1e-6)
 
@@ -127,7 +127,7 @@ class TestCalibrate:
 
     def test_only_the_formats_asked_for(self, facecrf: CommandLine, photo: Path, out: Path) -> None:
         assert facecrf("calibrate", photo, "-o", out, "--formats", "CUBE, clf", *BLIND).code == DONE
-        assert names_in(out) == {"a.cube", "a.clf", "a.crf.json"}
+        assert names_in(out) == {"a.png.cube", "a.png.clf", "a.png.crf.json"}
 
     @pytest.mark.parametrize("formats", ["tiff", "cube,tiff", "", " , "])
     def test_unknown_formats(
@@ -160,7 +160,7 @@ class TestCalibrate:
         ended = facecrf("calibrate", photo, "-o", out, "--estimator", name)
         assert ended.code == DONE
         assert "fallback" in ended.out
-        assert read_sidecar(out / "a.crf.json").estimate.estimator == name
+        assert read_sidecar(out / "a.png.crf.json").estimate.estimator == name
 
     @pytest.mark.parametrize(("name", "code"), [("none", NOTHING), ("mean", DONE), ("srgb", DONE)])
     def test_fallback_without_a_face(
@@ -186,14 +186,14 @@ class TestCalibrate:
         assert [record["outcome"] for record in records] == outcomes
         assert all(record["reason"] for record in records)
         assert {Path(file).name for file in records[2]["files"]} == {
-            *("c.spi1d", "c.cube", "c.clf", "c.crf.json")
+            f"c.exr.{ending}" for ending in ("spi1d", "cube", "clf", "crf.json")
         }
         assert len(ended.err.splitlines()) == 2
 
     def test_plot_is_a_png(self, facecrf: CommandLine, photo: Path, out: Path) -> None:
         assert facecrf("calibrate", photo, "-o", out, "--plot", *BLIND).code == DONE
-        assert names_in(out) == ALL | {"a.crf.png"}
-        with Image.open(out / "a.crf.png") as picture:
+        assert names_in(out) == ALL | {"a.png.crf.png"}
+        with Image.open(out / "a.png.crf.png") as picture:
             assert picture.format == "PNG"
 
     def test_plot_beside_a_png_photo_leaves_it_alone(
@@ -212,7 +212,7 @@ class TestCalibrate:
             command = ("calibrate", tmp_path / "a.png", "-o", out, "--overwrite", option)
             ended = facecrf(*command, "--estimator", "face-unshaded")
             assert (ended.code, ended.err) == (DONE, "")
-            curve = read_sidecar(out / "a.crf.json").estimate.found
+            curve = read_sidecar(out / "a.png.crf.json").estimate.found
             assert curve is not None
             assert (curve.linear == curve.linear[0]).all() == (option == "--shared")
 
@@ -226,7 +226,9 @@ class TestSeveralPhotos:
         photos[1].write_bytes(photos[1].read_bytes()[:100])
         ended = facecrf("calibrate", *photos, "-o", out, "--formats", "cube", *BLIND)
         assert ended.code == UNREADABLE
-        assert names_in(out) == {"a.cube", "a.crf.json", "c.cube", "c.crf.json"}
+        assert names_in(out) == {
+            f"{name}.{end}" for name in ("a.png", "c.png") for end in ("cube", "crf.json")
+        }
         assert len(ended.err.splitlines()) == 1
         assert str(photos[1]) in ended.err
 
@@ -239,11 +241,12 @@ class TestSeveralPhotos:
         assert facecrf(*command, linear).code == DONE
         assert facecrf(*command, linear, photo).code == NOTHING
         assert facecrf(*command, photo, missing, linear).code == UNREADABLE
-        (out / "taken.cube").mkdir()
+        (out / "taken.png.cube").mkdir()
         assert facecrf(*command, photo, missing, taken, linear).code == FAILED
 
     def test_two_of_one_name(self, facecrf: CommandLine, photo: Path, out: Path) -> None:
-        ended = facecrf("calibrate", photo, photo.with_suffix(".jpg"), "-o", out, *BLIND)
+        other = photo.parent / "b" / photo.name
+        ended = facecrf("calibrate", photo, other, "-o", out, *BLIND)
         assert ended.code == USAGE
         assert ended.err.count("\n") == 1
         assert "would write the same files" in ended.err
@@ -258,7 +261,7 @@ class TestSeveralPhotos:
 
 
 class TestExistingFiles:
-    @pytest.mark.parametrize("name", [*sorted(ALL), "a.crf.png"])
+    @pytest.mark.parametrize("name", [*sorted(ALL), "a.png.crf.png"])
     def test_are_kept(self, facecrf: CommandLine, photo: Path, out: Path, name: str) -> None:
         out.mkdir()
         (out / name).write_text("mine")
@@ -271,18 +274,18 @@ class TestExistingFiles:
 
     def test_are_replaced_on_demand(self, facecrf: CommandLine, photo: Path, out: Path) -> None:
         out.mkdir()
-        for name in (*ALL, "a.crf.png"):
+        for name in (*ALL, "a.png.crf.png"):
             (out / name).write_text("mine")
         ended = facecrf("calibrate", photo, "-o", out, "--plot", "--overwrite", *BLIND)
         assert ended.code == DONE
-        assert names_in(out) == {*ALL, "a.crf.png"}
+        assert names_in(out) == {*ALL, "a.png.crf.png"}
         assert all((out / name).read_bytes() != b"mine" for name in names_in(out))
 
     def test_a_plot_that_fails_takes_the_luts_with_it(
         self, facecrf: CommandLine, photo: Path, out: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         def refuse(path: Path) -> None:
-            raise OutputError("a.crf.png: the disk is full; free some space")
+            raise OutputError("a.png.crf.png: the disk is full; free some space")
 
         monkeypatch.setattr(
             "facecrf_ocio.plots.calibration_plot.plot_draft",
@@ -344,7 +347,7 @@ class TestScenelinearPhotos:
         assert (ended.code, ended.err) == (DONE, "")
         assert "already linear" in ended.out
         if command == "calibrate":
-            curve = read_sidecar(out / "a.crf.json").estimate.found
+            curve = read_sidecar(out / f"{name}.crf.json").estimate.found
             assert curve is not None
             assert np.array_equal(curve.linear, np.tile(curve.encoded, (3, 1)))
         else:
@@ -361,7 +364,7 @@ class TestLinearize:
         assert (ended.code, ended.err) == (DONE, "")
         assert ended.out.splitlines()[-1] == f"  {exr}"
         assert facecrf("calibrate", photo, "-o", out, "--fallback", "mean").code == DONE
-        for name in ("a.spi1d", "a.cube", "a.clf"):
+        for name in sorted(ALL - {"a.png.crf.json"}):
             expected = oiiotool(photo, out / name, tmp_path / f"{name}.exr")
             assert np.allclose(pixels_of(exr), expected, rtol=2**-10, atol=2**-24)
 
@@ -405,7 +408,7 @@ class TestLinearize:
         assert facecrf("linearize", photo, "-o", exr, form, *options).code == DONE
         command = ("calibrate", photo, "-o", out, "--formats", "clf", *options)
         assert facecrf(*command).code == DONE
-        expected = oiiotool(photo, out / f"a.{space}.clf", tmp_path / "b.exr")
+        expected = oiiotool(photo, out / f"a.png.{space}.clf", tmp_path / "b.exr")
         rounding = 2**-10 if form == "--half" else 1e-5
         assert np.allclose(pixels_of(exr), expected, rtol=rounding, atol=1e-6)
         header = oiio.ImageBuf(str(exr)).spec()
@@ -537,9 +540,9 @@ class TestNames:
         ended = facecrf("calibrate", "-o", "out", "--plot", *BLIND, "--", name)
         assert (ended.code, ended.err) == (DONE, "")
         suffixes = ("spi1d", "cube", "clf", "crf.json", "crf.png")
-        assert names_in(tmp_path / "out") == {f"{stem}.{suffix}" for suffix in suffixes}
+        assert names_in(tmp_path / "out") == {f"{name}.{suffix}" for suffix in suffixes}
         assert len(ended.out.splitlines()) == 6
-        ended = facecrf("apply", "--lut", f"out/{stem}.clf", f"--output=out/{stem}.exr", "--", name)
+        ended = facecrf("apply", "--lut", f"out/{name}.clf", f"--output=out/{stem}.exr", "--", name)
         assert (ended.code, ended.err) == (DONE, "")
         assert (tmp_path / "out" / f"{stem}.exr").exists()
 
@@ -641,11 +644,17 @@ class TestManyPhotos:
         broken.write_bytes(photos[0].read_bytes()[:-20])
         ended = facecrf("linearize", *photos, broken, "-o", out, *BLIND)
         assert ended.code == UNREADABLE
-        assert names_in(out) == {"a.exr", "b.exr"}
+        assert names_in(out) == {"a.png.exr", "b.png.exr"}
         again = facecrf("linearize", *photos, "-o", out, *BLIND)
         assert again.code == FAILED
         assert len(again.err.splitlines()) == 2
         assert facecrf("linearize", *photos, "-o", out, "--overwrite", *BLIND).code == DONE
+
+    def test_one_photo_goes_to_a_folder_as_several_do(
+        self, facecrf: CommandLine, photo: Path, out: Path
+    ) -> None:
+        assert facecrf("linearize", photo, "-o", out, *BLIND).code == DONE
+        assert names_in(out) == {"a.png.exr"}
 
     def test_one_file_or_one_name_for_two_photos(
         self, facecrf: CommandLine, tmp_path: Path, out: Path

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813
 import pytest
@@ -60,6 +62,15 @@ class TestFrames:
         clip = open_clip(tmp_path / pattern if pattern else tmp_path)
         assert clip.names == tuple(f"frame.{n:04d}.png" for n in (1, 2, 3, 10))
         assert clip.rate == 24.0
+
+    @pytest.mark.parametrize(
+        ("pattern", "name"),
+        [("a.v2.####.png", "a.v2.png"), ("a_%04d.png", "a.png"), ("%d.png", "clip.png")],
+    )
+    def test_its_name_is_the_frames_without_their_numbers(self, tmp_path, pattern, name):
+        for n in (1001, 1002):
+            write_picture(tmp_path / re.sub(r"#+|%0?4?d", str(n), pattern), RAMP, CURVE)
+        assert open_clip(tmp_path / pattern).name == name
 
     def test_numbers_without_leading_zeros_are_numbers(self, tmp_path):
         for n in (9, 10, 11):
@@ -187,7 +198,7 @@ def test_a_compressed_clip_with_moving_exposure_gives_its_curve_and_frames(capfd
     ended = CommandLine(capfd)(*command, "--formats", "spi1d")
     assert ended.code == 0, ended.err
     assert "12 frames" in ended.out
-    assert (tmp_path / "out" / "take.spi1d").exists()
-    (tmp_path / "out" / "take.exr" / "take.0005.exr").unlink()
+    assert (tmp_path / "out" / "take.mp4.spi1d").exists()
+    (tmp_path / "out" / "take.mp4.exr" / "take.mp4.0005.exr").unlink()
     again = CommandLine(capfd)(*command, "--formats", "spi1d")
     assert "12 frames, 11 of them there already" in again.out

@@ -14,8 +14,8 @@ from photo_files import oiiotool, pixels_of
 
 from facecrf_ocio.record.sidecar import read_sidecar
 
-LUTS = ("grace_hopper.spi1d", "grace_hopper.cube", "grace_hopper.clf")
-FILES = {*LUTS, "grace_hopper.crf.json", "grace_hopper.crf.png", "grace_hopper.exr"}
+LUTS = ("grace_hopper.jpg.spi1d", "grace_hopper.jpg.cube", "grace_hopper.jpg.clf")
+FILES = {*LUTS, *(f"grace_hopper.jpg.{end}" for end in ("crf.json", "crf.png", "exr"))}
 PORTRAIT = Path(str(cbook.get_sample_data("grace_hopper.jpg", asfileobj=False)))
 
 
@@ -26,11 +26,11 @@ def test_demo(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert (ended.code, ended.err) == (0, "")
     expect_what_is_printed(ended.out, folder)
     for name in LUTS:
-        expect_lut(folder / name, folder / "grace_hopper.crf.json")
+        expect_lut(folder / name, folder / "grace_hopper.jpg.crf.json")
         expected = oiiotool(PORTRAIT, folder / name, tmp_path / "expected.exr")
-        pixels = pixels_of(folder / "grace_hopper.exr")
+        pixels = pixels_of(folder / "grace_hopper.jpg.exr")
         assert np.allclose(pixels, expected, rtol=2**-10, atol=2**-24)
-    header = oiio.ImageBuf(str(folder / "grace_hopper.exr")).spec()
+    header = oiio.ImageBuf(str(folder / "grace_hopper.jpg.exr")).spec()
     assert header.get_string_attribute("colorInteropID") == "unknown"
 
     again = facecrf("demo", "-o", folder)

@@ -120,8 +120,8 @@ def test_the_command_writes_both_directions(
     run = CommandLine(capfd)
     options = ("--estimator", "srgb", "--formats", "clf,ctf", "--direction", "both")
     assert run("calibrate", photo, "-o", out, *options, "--to", "acescg").code == 0
-    names = {f"a.acescg.{d}{s}" for d in ("", "encode.") for s in ("clf", "ctf")}
-    assert names_in(out) == {*names, "a.crf.json"}
+    names = {f"a.png.acescg.{d}{s}" for d in ("", "encode.") for s in ("clf", "ctf")}
+    assert names_in(out) == {*names, "a.png.crf.json"}
     assert run("calibrate", photo, "-o", out, "--formats", "cube", "--to", "acescg").code == 2
 
 
@@ -133,7 +133,7 @@ def test_the_two_styles_of_cube_stand_side_by_side(
     options = ("--estimator", "srgb", "--formats", "cube,iridas.cube,icc,v4.icc")
     assert run("calibrate", photo, "-o", out, *options, "--direction", "both").code == 0
     both = {"cube", "iridas.cube", "encode.cube", "encode.iridas.cube", "icc", "v4.icc"}
-    assert names_in(out) == {f"a.iridas.{ending}" for ending in (*both, "crf.json")}
+    assert names_in(out) == {f"a.iridas.png.{ending}" for ending in (*both, "crf.json")}
     # The photo's own name ends as the other style's files do, and must not choose the style.
-    assert "LUT_1D_INPUT_RANGE" in (out / "a.iridas.cube").read_text()
-    assert "DOMAIN_MAX" in (out / "a.iridas.iridas.cube").read_text()
+    assert "LUT_1D_INPUT_RANGE" in (out / "a.iridas.png.cube").read_text()
+    assert "DOMAIN_MAX" in (out / "a.iridas.png.iridas.cube").read_text()

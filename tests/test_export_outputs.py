@@ -52,7 +52,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 def test_luts_and_sidecar_are_named_after_the_photo(tmp_path: Path) -> None:
     written = write(tmp_path / "new" / "folder", "IMG.0001.jpg")
-    names = ["IMG.0001.spi1d", "IMG.0001.cube", "IMG.0001.clf", "IMG.0001.crf.json"]
+    names = [f"IMG.0001.jpg.{ending}" for ending in ("spi1d", "cube", "clf", "crf.json")]
     assert [path.name for path in written] == names
     assert all(path.is_file() for path in written)
     assert read_sidecar(written[-1]).luts == tuple(names[:-1])
@@ -60,12 +60,12 @@ def test_luts_and_sidecar_are_named_after_the_photo(tmp_path: Path) -> None:
 
 def test_only_the_formats_asked_for_are_written_and_each_once(tmp_path: Path) -> None:
     written = write(tmp_path, formats=["clf", "clf"])
-    assert [path.name for path in written] == ["a.clf", "a.crf.json"]
+    assert [path.name for path in written] == ["a.jpg.clf", "a.jpg.crf.json"]
 
 
 def test_luts_tell_where_they_come_from(tmp_path: Path) -> None:
     write(tmp_path, formats=["spi1d", "clf"])
-    for name in ("a.spi1d", "a.clf"):
+    for name in ("a.jpg.spi1d", "a.jpg.clf"):
         text = (tmp_path / name).read_text("utf-8")
         for told in ("a.jpg", "12" * 32, "calibrated (face)", "reliable", "facecrf_ocio "):
             assert told in text
@@ -74,11 +74,11 @@ def test_luts_tell_where_they_come_from(tmp_path: Path) -> None:
 def test_without_a_curve_there_is_only_the_sidecar(tmp_path: Path) -> None:
     nothing = Estimate(Outcome.NOT_CALIBRATED, "face", "no face", "give a photo with a face")
     written = write_outputs(photo(), nothing, Settings(), tmp_path)
-    assert [path.name for path in written] == ["a.crf.json"]
+    assert [path.name for path in written] == ["a.jpg.crf.json"]
     assert read_sidecar(written[0]).estimate.reason == "no face"
 
 
-@pytest.mark.parametrize("existing", ["a.spi1d", "a.cube", "a.clf", "a.crf.json"])
+@pytest.mark.parametrize("existing", ["a.jpg.spi1d", "a.jpg.cube", "a.jpg.clf", "a.jpg.crf.json"])
 def test_nothing_is_written_where_one_file_exists(existing: str, tmp_path: Path) -> None:
     (tmp_path / existing).write_bytes(b"mine")
     with pytest.raises(OutputError, match=rf"{existing}: exists already; pass overwrite=True"):
@@ -95,14 +95,23 @@ def test_overwriting_replaces_all(tmp_path: Path) -> None:
     assert all(after[name] != before[name] for name in before)
 
 
+def test_photos_that_differ_in_their_suffix_stand_side_by_side(tmp_path: Path) -> None:
+    first = write(tmp_path, "a.jpg", 2.0)
+    second = write(tmp_path, "a.dng", 3.0)
+    assert not set(first) & set(second)
+    assert [read_sidecar(made[-1]).source.name for made in (first, second)] == ["a.jpg", "a.dng"]
+
+
 @pytest.mark.parametrize("overwrite", [False, True])
 def test_a_second_photo_of_the_same_name_never_takes_the_firsts_place(
     overwrite: bool, tmp_path: Path
 ) -> None:
     write(tmp_path, "a.jpg", 2.0)
     before = contents(tmp_path)
-    with pytest.raises(OutputError, match=r"a\.crf\.json: belongs to a\.jpg, not to a\.png"):
-        write(tmp_path, "a.png", 3.0, overwrite=overwrite)
+    with pytest.raises(OutputError, match=r"a\.jpg\.crf\.json: belongs to a\.jpg, not to a\.png"):
+        write_outputs(
+            photo("a.png"), estimate(), Settings(), tmp_path, overwrite=overwrite, name="a.jpg"
+        )
     assert contents(tmp_path) == before
 
 
@@ -112,10 +121,10 @@ def test_one_lut_that_fails_takes_the_others_with_it(
     write(tmp_path, gamma=2.0)
     before = contents(tmp_path)
     monkeypatch.setattr(clf, "clf_text", lambda *_: "not a LUT")
-    with pytest.raises(LutError, match=r"a\.clf: OpenColorIO cannot read it back"):
+    with pytest.raises(LutError, match=r"a\.jpg\.clf: OpenColorIO cannot read it back"):
         write(tmp_path, gamma=3.0, overwrite=True)
     assert contents(tmp_path) == before
-    with pytest.raises(LutError, match=r"b\.clf"):
+    with pytest.raises(LutError, match=r"b\.jpg\.clf"):
         write(tmp_path, "b.jpg")
     assert contents(tmp_path) == before
 
@@ -145,16 +154,16 @@ def test_conflicts_are_told_before_a_photo_is_calibrated(tmp_path: Path) -> None
     assert require_outputs_free(source, tmp_path, ["clf"], overwrite=False) == output_paths(
         source, tmp_path, ["clf"]
     )
-    (tmp_path / "a.clf").write_bytes(b"")
-    with pytest.raises(OutputError, match=r"a\.clf: exists already"):
+    (tmp_path / "a.jpg.clf").write_bytes(b"")
+    with pytest.raises(OutputError, match=r"a\.jpg\.clf: exists already"):
         require_outputs_free(source, tmp_path, ["clf"], overwrite=False)
     require_outputs_free(source, tmp_path, ["clf"], overwrite=True)
 
 
 def test_photos_of_one_run_must_differ_in_name() -> None:
-    require_distinct_names([Path("a.jpg"), Path("b.jpg"), Path("c/d.jpg")])
-    with pytest.raises(OutputError, match=r"y/a\.png: would write the same files as x/a\.jpg"):
-        require_distinct_names([Path("x/a.jpg"), Path("b.jpg"), Path("y/a.png")])
+    require_distinct_names([Path("a.jpg"), Path("a.png"), Path("c/d.jpg")])
+    with pytest.raises(OutputError, match=r"y/a\.jpg: would write the same files as x/a\.jpg"):
+        require_distinct_names([Path("x/a.jpg"), Path("b.jpg"), Path("y/a.jpg")])
 
 
 @pytest.mark.parametrize("name", ["-rf.jpg", "a b.jpg", "$HOME.jpg", "Zoë.jpg", "'q\".jpg", ".jpg"])

@@ -190,7 +190,7 @@ def test_extension_and_own_config_agree_in_one_blender(package, session, tmp_pat
     config, how = tmp_path / "own.ocio", []
     if merged:
         how = ["--merge", next(CACHE.glob("bpy-5*/lib/*/*/bpy/*/datafiles/*/config.ocio"))]
-    lut = tmp_path / "luts" / "portrait.spi1d"
+    lut = tmp_path / "luts" / "portrait.png.spi1d"
     writing = [command, "ocio-config", lut, "-o", config, *how]
     subprocess.run(writing, env=environment, check=True)
     script = ROOT / "tests" / "blender_extension_config_session.py"

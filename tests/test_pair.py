@@ -185,9 +185,9 @@ def test_command_writes_what_calibrate_writes(pair_files, tmp_path):
     result = run(*pair_files, "-o", tmp_path / "out", "--plot")
     assert result.exit_code == 0, result.output
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    luts = {"photo.spi1d", "photo.cube", "photo.clf"}
-    assert names == luts | {"photo.crf.json", "photo.crf.png"}
-    record = read_sidecar(tmp_path / "out" / "photo.crf.json")
+    luts = {"photo.jpg.spi1d", "photo.jpg.cube", "photo.jpg.clf"}
+    assert names == luts | {"photo.jpg.crf.json", "photo.jpg.crf.png"}
+    record = read_sidecar(tmp_path / "out" / "photo.jpg.crf.json")
     assert record.estimate.estimator == "pair"
     assert record.source.name == "photo.jpg"
     assert errors(record.estimate.curve).max() < 0.02
@@ -199,11 +199,11 @@ def test_command_writes_the_way_back_and_on_to_a_working_space(pair_files, tmp_p
     options = ("--formats", "clf", "--direction", "both", "--to", "acescg")
     result = run(*pair_files, "-o", out, *options)
     assert result.exit_code == 0, result.output
-    there, back = out / "photo.acescg.clf", out / "photo.acescg.encode.clf"
-    assert {p.name for p in out.iterdir()} == {there.name, back.name, "photo.crf.json"}
+    there, back = out / "photo.jpg.acescg.clf", out / "photo.jpg.acescg.encode.clf"
+    assert {p.name for p in out.iterdir()} == {there.name, back.name, "photo.jpg.crf.json"}
     photo = replace(read_photo(pair_files[1]), bit_depth=None)
     linear = apply_lut(photo, there)
-    curve = read_sidecar(out / "photo.crf.json").estimate.found
+    curve = read_sidecar(out / "photo.jpg.crf.json").estimate.found
     wanted = curve.linearize(photo.encoded) @ working_space_matrix(photo.primaries, "acescg").T
     assert np.abs(linear - wanted).max() < 1e-5
     encoded = apply_lut(replace(photo, encoded=linear), back, "encode")

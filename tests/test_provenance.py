@@ -84,7 +84,7 @@ def test_of_a_lut_with_its_record_beside_it(told_by, photo: Photo, tmp_path: Pat
     assert photo.path is not None
     assert other.path is not None
     expected = {
-        "lut": "é.spi1d",
+        "lut": "é.png.spi1d",
         "lut_sha256": digest(lut),
         "direction": "linearize",
         "outcome": "calibrated",

@@ -10,6 +10,7 @@ from pathlib import Path
 from facecrf_ocio.archive.place import Place
 from facecrf_ocio.lut.format_table import default_formats
 from facecrf_ocio.photo.shot import Shot
+from facecrf_ocio.record.output_names import EXR, RECORD, output_name
 from facecrf_ocio.settings import VERDICTS, Settings
 from facecrf_ocio.values import Estimate
 
@@ -125,8 +126,8 @@ class Task:
     @property
     def planned(self) -> tuple[str, ...]:
         """Outputs relative to the place: a.jpg gets a.jpg.cube, so that a.png gets others."""
-        suffixes = [*self.recipe.formats, "crf.json", *(("exr",) if self.recipe.exr else ())]
-        return tuple(f"{self.name}.{suffix}" for suffix in suffixes)
+        suffixes = [*self.recipe.formats, RECORD, *((EXR,) if self.recipe.exr else ())]
+        return tuple(output_name(self.name, suffix) for suffix in suffixes)
 
 
 @dataclass(frozen=True, slots=True)

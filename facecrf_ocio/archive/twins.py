@@ -10,6 +10,7 @@ from facecrf_ocio.archive.manifest.twin_rows import twins_of
 from facecrf_ocio.archive.task import FAILED, WRITE, Result, Task
 from facecrf_ocio.errors import LutError, OutputError
 from facecrf_ocio.files.content import sha256_of
+from facecrf_ocio.record.output_names import RECORD, output_name
 from facecrf_ocio.values import Estimate
 
 
@@ -56,12 +57,13 @@ def _hash(path: Path) -> str:
 
 def _estimate_of(manifest: Manifest, task: Task, name: str) -> Estimate | None:
     """The estimate as its record has it; None if that is not as it was written."""
-    from facecrf_ocio.record.sidecar import SUFFIX, read_sidecar  # noqa: PLC0415 - heavy
+    from facecrf_ocio.record.sidecar import read_sidecar  # noqa: PLC0415 - heavy
 
     recorded = {output.name: output.sha256 for output in manifest.outputs(name)}
     try:
-        path = task.place.inside(f"{name}{SUFFIX}")
-        if recorded.get(f"{name}{SUFFIX}") != sha256_of(path):
+        record = output_name(name, RECORD)
+        path = task.place.inside(record)
+        if recorded.get(record) != sha256_of(path):
             return None
         return read_sidecar(path).estimate
     except (OutputError, LutError):

@@ -144,7 +144,7 @@ def calibrate_loop() -> None:
         photo = read_photo(path)
         estimate = calibrate(photo)
         if estimate.found is not None:
-            write_outputs(photo, estimate, Settings(), Path(sys.argv[1]), stem=path.name)
+            write_outputs(photo, estimate, Settings(), Path(sys.argv[1]))
 
 
 def _loops(folder: Path, photos: Sequence[Path], jobs: int) -> None:

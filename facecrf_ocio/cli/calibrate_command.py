@@ -10,7 +10,7 @@ import click
 
 from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import PHOTO_PATH, Choices, direction_options, estimation_options
-from facecrf_ocio.cli.output_files import PLOT_SUFFIX, OutputFiles, folder_option, formats_option
+from facecrf_ocio.cli.output_files import OutputFiles, folder_option, formats_option
 from facecrf_ocio.cli.terminal import (
     DONE,
     FAILED,
@@ -27,6 +27,7 @@ from facecrf_ocio.cli.terminal import (
     tell_json,
 )
 from facecrf_ocio.errors import FaceCRFError, LutError, OutputError
+from facecrf_ocio.record.output_names import PLOT
 
 if TYPE_CHECKING:
     from facecrf_ocio.together import Together
@@ -96,7 +97,7 @@ def _estimate_together(photos: tuple[Path, ...], choices: Choices) -> Together:
 @formats_option
 @direction_options
 @click.option(
-    "--plot", is_flag=True, help=f"Also write NAME{PLOT_SUFFIX}: curves, skin mask, pigment map."
+    "--plot", is_flag=True, help=f"Also write NAME{PLOT}: curves, skin mask, pigment map."
 )
 @click.option(
     "--together", is_flag=True, help="One curve from all photos, which one camera took alike."
@@ -117,7 +118,8 @@ def calibrate(
 ) -> int:
     """Estimate the inverse camera response of each PHOTO and write it as LUT files.
 
-    For a.jpg the folder, made if it is missing, gets a.spi1d, a.cube, a.clf and a.crf.json.
+    The folder, made if it is missing, gets the photo's name with .spi1d, .cube, .clf and
+    .crf.json behind it: a.jpg.spi1d and so on.
     """
     from facecrf_ocio.record.outputs import require_distinct_names
 

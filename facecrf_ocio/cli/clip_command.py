@@ -76,13 +76,13 @@ def clip(
         named = replace(first, path=opened.path)
         written = write_outputs(
             named, estimate, chosen.settings, output, formats,
-            overwrite=chosen.overwrite or exr, stem=opened.stem,
+            overwrite=chosen.overwrite or exr, name=opened.name,
         )  # fmt: skip
         for number, shot in enumerate(found.shots, start=1):
             if shot.estimate is not None:
                 written += write_outputs(
                     named, shot.estimate, chosen.settings, output, formats,
-                    overwrite=chosen.overwrite or exr, stem=f"{opened.stem}.shot{number}",
+                    overwrite=chosen.overwrite or exr, name=f"{opened.name}.shot{number}",
                 )  # fmt: skip
     code = tell(source, estimate, written, notes=_notes(opened, found), verbose=chosen.verbose)
     if exr:
@@ -114,8 +114,9 @@ def _notes(opened: Clip, found: ClipEstimate) -> tuple[str, ...]:
 
 def _write_frames(opened: Clip, found: ClipEstimate, output: Path, *, overwrite: bool) -> None:
     from facecrf_ocio.clip.exr_sequence import write_sequence
+    from facecrf_ocio.record.output_names import EXR, output_path
 
-    folder, kept, count = output / f"{opened.stem}.exr", 0, 0
+    folder, kept, count = output_path(output, opened.name, EXR), 0, 0
     with status(f"writing {counted(len(opened.times), 'frame')}"):
         for _, there in write_sequence(opened, found.estimate, folder, overwrite=overwrite):
             kept, count = kept + there, count + 1

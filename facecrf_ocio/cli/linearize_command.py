@@ -31,6 +31,7 @@ from facecrf_ocio.cli.terminal import (
     tell,
 )
 from facecrf_ocio.errors import OutputError, SettingsError
+from facecrf_ocio.record.output_names import EXR, output_path
 
 if TYPE_CHECKING:
     from facecrf_ocio.values import Photo
@@ -70,7 +71,8 @@ def linearize(
 ) -> int:
     """Calibrate each PHOTO and write it as a scene-linear EXR.
 
-    Of several photos -o names a folder, which gets NAME.exr of each.
+    -o names the EXR, or a folder, which gets a.jpg.exr of a.jpg and so on; of several photos
+    always a folder.
     """
     from facecrf_ocio.image.exposure import require_exposure
 
@@ -85,10 +87,16 @@ def linearize(
     exr: dict[str, Any] = {"half": half, "compression": compression, "overwrite": chosen.overwrite}
     job = _Linearization(chosen, space or "", hdr, exposure, uncertainty, exr)
     photos = tuple(dict.fromkeys(photos))
-    if len(photos) == 1:
+    if len(photos) == 1 and not _names_folder(output):
         return job.run(photos[0], output)
     codes = [job.run_one_of(path, target) for path, target in _targets(photos, output)]
     return next((code for code in (FAILED, UNREADABLE, NOTHING) if code in codes), DONE)
+
+
+def _names_folder(output: Path) -> bool:
+    """Of one photo, so that one that a pattern of the shell finds is written as several are."""
+    is_exr = output.suffix.lower() == EXR
+    return not is_exr and (output.is_dir() or not output.suffix)
 
 
 def _targets(photos: tuple[Path, ...], folder: Path) -> tuple[tuple[Path, Path], ...]:
@@ -101,7 +109,7 @@ def _targets(photos: tuple[Path, ...], folder: Path) -> tuple[tuple[Path, Path],
     require_distinct_names(photos)
     require_writable(folder)
     make_folder(folder)
-    return tuple((path, folder / f"{path.stem}.exr") for path in photos)
+    return tuple((path, output_path(folder, path, EXR)) for path in photos)
 
 
 @dataclass(frozen=True, slots=True)

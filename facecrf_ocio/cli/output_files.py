@@ -11,13 +11,11 @@ import click
 
 from facecrf_ocio.cli.options import TEXT_PATH, direction_options
 from facecrf_ocio.lut.format_table import default_formats, format_names
+from facecrf_ocio.record.output_names import PLOT, output_path
 
 if TYPE_CHECKING:
     from facecrf_ocio.settings import Settings
     from facecrf_ocio.values import Estimate, Photo
-
-PLOT_SUFFIX = ".crf.png"
-"""Not `.png`, which next to a PNG photo would be the photo itself."""
 
 
 def folder_option(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -55,7 +53,7 @@ def measurement_options(command: Callable[..., Any]) -> Callable[..., Any]:
     options = (
         formats_option,
         direction_options,
-        click.option("--plot", is_flag=True, help=f"Also write NAME{PLOT_SUFFIX}: the curves."),
+        click.option("--plot", is_flag=True, help=f"Also write NAME{PLOT}: the curves."),
         click.option("--json", "as_json", is_flag=True, help="Print one JSON object."),
         click.option("--overwrite", is_flag=True, help="Replace existing outputs."),
     )
@@ -132,4 +130,4 @@ class OutputFiles:
         )
 
     def _picture(self, path: Path) -> Path:
-        return self.folder / f"{path.stem}{PLOT_SUFFIX}"
+        return output_path(self.folder, path, PLOT)

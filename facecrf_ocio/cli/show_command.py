@@ -11,11 +11,10 @@ from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import PHOTO_PATH, TEXT_PATH, Choices, estimation_options
 from facecrf_ocio.cli.terminal import ending_well, tell
 from facecrf_ocio.errors import SettingsError
+from facecrf_ocio.record.output_names import PAGE, output_path
 
 if TYPE_CHECKING:
     from facecrf_ocio.values import Estimate, Photo
-
-PAGE_SUFFIX = ".crf.html"
 
 
 @click.command()
@@ -25,7 +24,7 @@ PAGE_SUFFIX = ".crf.html"
     "--output",
     type=TEXT_PATH,
     metavar="PAGE.html",
-    help=f"Page to write; NAME{PAGE_SUFFIX} in this folder by default. An older one is replaced.",
+    help=f"Page to write; NAME{PAGE} in this folder by default. An older one is replaced.",
 )
 @click.option(
     "--record",
@@ -41,7 +40,7 @@ def show(photo: Path, output: Path | None, record: Path | None, opens: bool, **c
     from facecrf_ocio.archive.report.photo_page import write_photo_page
 
     chosen = Choices(**choices)
-    page = Path(f"{photo.stem}{PAGE_SUFFIX}") if output is None else output
+    page = output_path(Path(), photo, PAGE) if output is None else output
     with status(f"looking at {photo}"):
         files: tuple[Path, ...] = ()
         if record is None:

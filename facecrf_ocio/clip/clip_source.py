@@ -39,7 +39,7 @@ def open_clip(given: Path) -> Clip:
     elif given.is_dir():
         clip = _sequence(given, sorted(_images(given), key=_order), given.name)
     elif _PATTERN.search(given.name):
-        clip = _sequence(given, _matching(given), _PATTERN.sub("", given.name).split(".")[0])
+        clip = _sequence(given, _matching(given), _without_number(given.name))
     elif given.exists():
         raise PhotoError(
             given,
@@ -72,13 +72,19 @@ def _matching(given: Path) -> list[Path]:
     return [path for _, path in sorted(numbered)]
 
 
+def _without_number(pattern: str) -> str:
+    """`a.v2.jpg` of `a.v2.####.jpg`, so that a sequence's name tells its kind, as a file's does."""
+    before, _, after = _PATTERN.split(pattern, maxsplit=1)
+    return (before.rstrip("._- ") or "clip") + after
+
+
 def _order(path: Path) -> tuple[str, int, str]:
     found = _NUMBER.search(path.stem)
     number = int(found[1]) if found else -1
     return (path.stem[: found.start()] if found else path.stem, number, path.name)
 
 
-def _sequence(given: Path, paths: Sequence[Path], stem: str) -> Clip:
+def _sequence(given: Path, paths: Sequence[Path], name: str) -> Clip:
     def read(indices: Sequence[int]) -> Iterator[Photo]:
         size: tuple[int, ...] = ()
         for index in indices:
@@ -95,7 +101,7 @@ def _sequence(given: Path, paths: Sequence[Path], stem: str) -> Clip:
 
     return Clip(
         paths[0] if paths else given,
-        stem.strip("._- ") or "clip",
+        name.strip("._- ") or "clip",
         tuple(index / DEFAULT_RATE for index in range(len(paths))),
         tuple(path.name for path in paths),
         DEFAULT_RATE,

@@ -20,12 +20,12 @@ _READ_AT_ONCE = 64  # frames between which a run that was broken off loses nothi
 def write_sequence(
     clip: Clip, estimate: Estimate, folder: Path, *, overwrite: bool = False
 ) -> Iterator[tuple[Path, bool]]:
-    """Write STEM.NNNN.exr for every frame; yields each with whether it was there already.
+    """Write NAME.NNNN.exr for every frame; yields each with whether it was there already.
 
     A frame is there if its EXR names the same curve and the same frame.
     """
     digest = hashlib.sha256(estimate.curve.linear.tobytes()).hexdigest()[:16]
-    targets = [folder / f"{clip.stem}.{n + 1:04d}.exr" for n in range(len(clip.times))]
+    targets = [folder / f"{clip.name}.{n + 1:04d}.exr" for n in range(len(clip.times))]
     folder.mkdir(parents=True, exist_ok=True)
     wanted = []
     for index, target in enumerate(targets):

@@ -17,8 +17,8 @@ class Clip:
     ----------
     path
         Of the video file, or of the first frame.
-    stem
-        What outputs are named after.
+    name
+        What outputs are named after: the video file's, or the frames' without their numbers.
     times
         [s] of each frame, from 0.
     names
@@ -32,7 +32,7 @@ class Clip:
     """
 
     path: Path
-    stem: str
+    name: str
     times: tuple[float, ...]
     names: tuple[str, ...]
     rate: float

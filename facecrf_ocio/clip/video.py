@@ -50,7 +50,7 @@ def open_video(path: Path) -> Clip:
 
     return Clip(
         path,
-        path.stem,
+        path.name,
         tuple((stamp - stamps[0]) * base for stamp in stamps),
         tuple(f"{path.name} frame {index}" for index in range(len(stamps))),
         rate,

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from facecrf_ocio.errors import LutError
 from facecrf_ocio.lut.write import split_ending
-from facecrf_ocio.record.sidecar import SUFFIX, Source, read_source
+from facecrf_ocio.record.output_names import RECORD, output_path
+from facecrf_ocio.record.sidecar import Source, read_source
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +48,7 @@ def told_of(lut: Path, records: Records) -> Told:
     """
     readings = list(_readings(lut.name))
     for stem, space, encodes in readings:
-        record = lut.parent / f"{stem}{SUFFIX}"
+        record = output_path(lut.parent, stem, RECORD)
         if record not in records and record.is_file():
             records[record] = read_source(record)
         if record in records and lut.name in records[record][1]:

@@ -11,7 +11,8 @@ from facecrf_ocio.files.atomic import Draft, require_free, write_files
 from facecrf_ocio.lut.format_table import default_formats
 from facecrf_ocio.lut.transform import LutTransform
 from facecrf_ocio.lut.write import lut_draft, split_ending
-from facecrf_ocio.record.sidecar import SUFFIX, read_sidecar, sidecar_draft
+from facecrf_ocio.record.output_names import RECORD, output_path
+from facecrf_ocio.record.sidecar import read_sidecar, sidecar_draft
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Estimate, Photo
 from facecrf_ocio.wording.trust_words import trust_phrase
@@ -26,13 +27,14 @@ def write_outputs(
     *,
     overwrite: bool = False,
     also: Sequence[Draft] = (),
-    stem: str | None = None,
+    name: str | None = None,
 ) -> tuple[Path, ...]:
     """Write the LUTs and the sidecar of a photo, named after it; without a curve, the sidecar.
 
+    `output_names` says how.
     Formats are those that `format_table` calls the default unless they are named.
     The folder is made if it is missing. The drafts in `also` are written with them or not at all.
-    With `stem` the files are named after it instead of after the photo.
+    With `name` the files are named after it instead of after the photo.
 
     Returns
     -------
@@ -53,7 +55,7 @@ def write_outputs(
     named = default_formats() if formats is None else tuple(formats)
     formats = () if estimate.found is None else named
     *luts, sidecar = require_outputs_free(
-        photo.path, folder, formats, overwrite=overwrite, stem=stem
+        photo.path, folder, formats, overwrite=overwrite, name=name
     )
     drafts = [
         _lut_draft(ending, lut, photo, estimate)
@@ -65,7 +67,7 @@ def write_outputs(
 
 
 def output_paths(
-    source: Path, folder: Path, formats: Iterable[str], stem: str | None = None
+    source: Path, folder: Path, formats: Iterable[str], name: str | None = None
 ) -> tuple[Path, ...]:
     """Return where `write_outputs` puts a photo's LUTs and, last, its sidecar.
 
@@ -75,13 +77,9 @@ def output_paths(
         If a format is unknown.
     """
     unique = dict.fromkeys(formats)
-    stem = source.stem if stem is None else stem
-    for name in unique:
-        split_ending(name)
-    return (
-        *(folder / f"{stem}.{name}" for name in unique),
-        folder / f"{stem}{SUFFIX}",
-    )
+    for ending in unique:
+        split_ending(ending)
+    return tuple(output_path(folder, name or source, ending) for ending in (*unique, RECORD))
 
 
 def require_outputs_free(
@@ -90,7 +88,7 @@ def require_outputs_free(
     formats: Iterable[str],
     *,
     overwrite: bool,
-    stem: str | None = None,
+    name: str | None = None,
 ) -> tuple[Path, ...]:
     """Return `output_paths`, or raise what `write_outputs` would, before a photo is calibrated.
 
@@ -101,7 +99,7 @@ def require_outputs_free(
     LutError
         If a format is unknown.
     """
-    targets = output_paths(source, folder, formats, stem)
+    targets = output_paths(source, folder, formats, name)
     _require_same_source(targets[-1], source)
     for target in targets:
         require_free(target, overwrite=overwrite)
@@ -112,7 +110,7 @@ def require_distinct_names(sources: Sequence[Path]) -> None:
     """Raise OutputError if two photos of one run would write the same files."""
     first: dict[str, Path] = {}
     for source in sources:
-        other = first.setdefault(source.stem, source)
+        other = first.setdefault(source.name, source)
         if other is not source:
             raise OutputError(
                 f"{source}: would write the same files as {other}; calibrate them into two folders "

@@ -10,7 +10,8 @@ import numpy as np
 from facecrf_ocio import __version__
 from facecrf_ocio.errors import LutError, reason_of
 from facecrf_ocio.lut.table import lut_table
-from facecrf_ocio.record.sidecar import SUFFIX, Sidecar, read_sidecar
+from facecrf_ocio.record.output_names import RECORD, output_path
+from facecrf_ocio.record.sidecar import Sidecar, read_sidecar
 from facecrf_ocio.values import Confidence, Estimate, InverseCRF, Photo
 from facecrf_ocio.wording.sentence import sentence
 
@@ -80,7 +81,7 @@ def record_of(lut: Path) -> Sidecar | None:
     """The record beside a LUT that lists it; None if there is none that can be read."""
     parts = lut.name.split(".")
     for count in range(len(parts) - 1, 0, -1):
-        path = lut.parent / f"{'.'.join(parts[:count])}{SUFFIX}"
+        path = output_path(lut.parent, ".".join(parts[:count]), RECORD)
         if path.is_file():
             try:
                 record = read_sidecar(path)

@@ -25,7 +25,6 @@ SCHEMA = "facecrf sidecar"
 SCHEMA_VERSION = 2
 """1 wrote all numbers of a curve for each channel; it is read, too."""
 
-SUFFIX = ".crf.json"
 _LARGEST = 32 << 20  # [byte] the largest ever written, of version 1, has half a megabyte
 # What numbers, texts and nothing in the place of something else make of us.
 _DAMAGE = (

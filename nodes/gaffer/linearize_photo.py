@@ -1,6 +1,6 @@
 """Gaffer: a photo and its LUT as two linked nodes. Run it in the Python Editor, then call it.
 
-Example: `linearize_photo(root, "/photos/a.jpg", "/luts/a.spi1d")`.
+Example: `linearize_photo(root, "/photos/a.jpg", "/luts/a.jpg.spi1d")`.
 """
 
 import GafferImage

@@ -1,6 +1,6 @@
 """Natron: a photo and its LUT as two linked nodes. Run it in the Script Editor, then call it.
 
-Example: `linearize_photo(app, "/photos/a.jpg", "/luts/a.spi1d")`.
+Example: `linearize_photo(app, "/photos/a.jpg", "/luts/a.jpg.spi1d")`.
 """
 
 

@@ -16,7 +16,8 @@ from facecrf_ocio.errors import FaceCRFError
 from facecrf_ocio.photo.pixels import Pixels
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.photo.suffixes import suffixes_named
-from facecrf_ocio.record.sidecar import SUFFIX, Sidecar, read_sidecar
+from facecrf_ocio.record.output_names import EXR, RECORD, output_name
+from facecrf_ocio.record.sidecar import Sidecar, read_sidecar
 from facecrf_ocio.values import Outcome
 
 GONE = "The photo is no longer there."
@@ -56,9 +57,9 @@ class _MissingError(Exception):
 def _files(archive: Archive, row: Row, sidecar: Sidecar) -> tuple[str, ...]:
     """Names of the photo's files below the outputs: LUTs, the EXR if there is one, the record."""
     folder = PurePosixPath(row.name).parent
-    name = PurePosixPath(row.name).name
-    exr = [f"{name}.exr"] if (archive.folder / f"{row.name}.exr").is_file() else []
-    return tuple(str(folder / each) for each in (*sidecar.luts, *exr, f"{name}{SUFFIX}"))
+    exr = output_name(row.name, EXR)
+    exrs = [exr] if (archive.folder / exr).is_file() else []
+    return (*(str(folder / each) for each in sidecar.luts), *exrs, output_name(row.name, RECORD))
 
 
 def _path(source: Path | None, row: Row) -> Path:
@@ -81,7 +82,7 @@ def _sidecar(folder: Path, row: Row) -> tuple[Sidecar | None, str]:
     if not row.curve and row.kind in ("no curve", "unfinished"):
         return None, ""
     try:
-        return read_sidecar(folder / PurePosixPath(row.name + SUFFIX)), ""
+        return read_sidecar(folder / PurePosixPath(output_name(row.name, RECORD))), ""
     except FaceCRFError:
         return None, NO_RECORD
 

@@ -42,6 +42,7 @@ from facecrf_ocio.pair.code_samples import take_samples
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.photo.shot import read_shot
 from facecrf_ocio.record.demand import Demand, demand
+from facecrf_ocio.record.output_names import EXR, output_path
 from facecrf_ocio.record.outputs import write_outputs
 from facecrf_ocio.values import Estimate, Photo
 
@@ -157,7 +158,7 @@ def _camera(photo: Photo) -> tuple[str, str, str, str]:
 
 
 def _write(task: Task, photo: Photo, estimate: Estimate) -> tuple[Path, ...]:
-    recipe, name = task.recipe, Path(task.name).name
+    recipe = task.recipe
     # First, since it is no photo's half result.
     exposure = find_exposure(recipe.exposure, photo, estimate.curve) if recipe.exr else None
     folder = task.place.inside(task.name).parent
@@ -169,10 +170,10 @@ def _write(task: Task, photo: Photo, estimate: Estimate) -> tuple[Path, ...]:
         folder,
         recipe.formats,
         overwrite=task.overwrite,
-        stem=name,
+        name=Path(task.name).name,
     )
     if exposure is not None:
-        exr = folder / f"{name}.exr"
+        exr = output_path(folder, task.name, EXR)
         how: dict[str, Any] = {"exposure": exposure, "overwrite": task.overwrite}
         written += (write_linear(exr, photo, estimate, **how),)
     return written

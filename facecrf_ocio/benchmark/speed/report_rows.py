@@ -61,7 +61,7 @@ def _archive(photos: Path, outputs: Path, count: int, megapixels: float) -> Path
     first = portrait(photos / "0.jpg", megapixels)
     read = read_photo(first)
     estimate = calibrate(read)
-    write_outputs(read, estimate, Settings(), outputs, stem=first.name)
+    write_outputs(read, estimate, Settings(), outputs)
     status, digest = first.stat(), sha256(first.read_bytes()).hexdigest()
     manifest = Manifest(outputs)
     manifest.note("source", str(photos))
