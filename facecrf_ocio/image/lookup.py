@@ -35,7 +35,6 @@ HALF_MAX = 65504.0  # largest finite half float
 _RGB = (0, 1, 2)  # channels
 _BAND = 1 << 17  # [pixel] a band's float32 colors, 1.5 MB, stay in a core's cache
 _MAXIMA = {np.dtype(np.uint8): 255, np.dtype(np.uint16): 65535}  # codes of white
-_INFINITE_HALF = 0x7C00  # bits of infinity; NaN are above it
 
 
 class Lookup:
@@ -146,26 +145,27 @@ class Lookup:
         band = self._colors_alone if plain and pixels.dtype == np.float32 else self._band
         rows = max(1, _BAND // pixels.shape[1])
         bands = [slice(y, y + rows) for y in range(0, pixels.shape[0], rows)]
-        if len(bands) == 1:
-            band(pixels, out, work)
+        cores = min(len(bands), usable_cores())
+        if cores == 1:
+            for at in bands:
+                band(pixels[at], out[at], work)
             return
-        with ThreadPoolExecutor(min(len(bands), usable_cores())) as threads:
+        with ThreadPoolExecutor(cores) as threads:
             for done in [threads.submit(band, pixels[at], out[at], work) for at in bands]:
                 done.result()
 
     def _colors_alone(self, pixels: Float32, out: Pixels, work: _Work) -> None:
         """Float RGB straight into `out`, where that can be."""
         given = np.ascontiguousarray(pixels)
-        if out.flags.c_contiguous and not np.may_share_memory(given, out):
-            self._transform(given, out)
-            if out.dtype == np.float32 and self._name is not None:
-                bring_back(self._transform, given, out)
-                self._require_finite(given, out)
-            if out.dtype == np.float32 or not _is_infinite_half(out):
-                return
-        result = self._transformed(given, work)
-        self._require_finite(given, result)
-        out[...] = _half(result, work.color) if out.dtype == np.float16 else result
+        # OpenColorIO takes twice as long to half floats as to floats, and OpenCV rounds at once.
+        straight = out.dtype == np.float32 and out.flags.c_contiguous
+        straight = straight and not np.may_share_memory(given, out)
+        result = out if straight else np.empty_like(given)
+        self._transform(given, result)
+        if self._name is not None and bring_back(self._transform, given, result):
+            self._require_finite(given, result)
+        if not straight:
+            out[...] = _half(result, work.color) if out.dtype == np.float16 else result
 
     def _band(self, pixels: Pixels, out: Pixels, work: _Work) -> None:
         values = _as_float(pixels, work.maximum)
@@ -267,8 +267,11 @@ def _as_float(pixels: Pixels, maximum: int) -> Float32:
 
 def _half(values: Float32, color: Sequence[int]) -> Pixels:
     """As float16: colors too bright for it become its largest value, the rest infinite."""
-    values = values.copy()
-    values[..., list(color)] = np.clip(values[..., list(color)], -HALF_MAX, HALF_MAX)
+    if len(color) == values.shape[-1]:
+        values = np.clip(values, -HALF_MAX, HALF_MAX)
+    else:
+        values = values.copy()
+        values[..., list(color)] = np.clip(values[..., list(color)], -HALF_MAX, HALF_MAX)
     if hasattr(cv2, "convertFp16"):  # until OpenCV 5
         bits = cv2.convertFp16(values.reshape(len(values), -1))
         return np.asarray(bits).view(np.float16).reshape(values.shape)
@@ -276,7 +279,3 @@ def _half(values: Float32, color: Sequence[int]) -> Pixels:
     return np.asarray(add(values.reshape(len(values), -1), 0.0, dtype=cv2.CV_16F)).reshape(
         values.shape
     )
-
-
-def _is_infinite_half(values: Pixels) -> bool:
-    return bool(((values.view(np.uint16) & 0x7FFF) >= _INFINITE_HALF).any())

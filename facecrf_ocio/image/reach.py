@@ -19,8 +19,8 @@ Transform = Callable[[Float32, npt.NDArray[Any]], None]
 _HALVINGS = 24  # of the way; float32 has no more digits
 
 
-def bring_back(transform: Transform, given: Float32, result: Float32) -> None:
-    """Replace what became NaN or infinite of finite colors.
+def bring_back(transform: Transform, given: Float32, result: Float32) -> bool:
+    """Replace what became NaN or infinite of finite colors; say whether there was anything such.
 
     Colors whose code values, clamped to [0, 1], become no numbers either are left as they are.
 
@@ -31,11 +31,11 @@ def bring_back(transform: Transform, given: Float32, result: Float32) -> None:
     given, result
         (H, W, 3) before and after; the second is changed.
     """
-    if np.isfinite(result.sum(dtype=np.float64)):
-        return
+    if _all_finite(result):
+        return False
     lost = np.isfinite(given).all(axis=2) & ~np.isfinite(result).all(axis=2)
     if not lost.any():
-        return
+        return True
     colors = given[lost][None]
     start = np.clip(colors, 0.0, 1.0)
     near, far = np.zeros_like(colors[..., :1]), np.ones_like(colors[..., :1])
@@ -46,11 +46,12 @@ def bring_back(transform: Transform, given: Float32, result: Float32) -> None:
         found = np.where(finite, made, found)
         near, far = np.where(finite, middle, near), np.where(finite, far, middle)
     result[lost] = found[0]
+    return True
 
 
 def some_lost(given: Float32, result: Float32) -> bool:
     """Whether a finite color, (..., 3), became NaN or infinite."""
-    if np.isfinite(result.sum(dtype=np.float64)):
+    if _all_finite(result):
         return False
     return bool((np.isfinite(given).all(axis=-1) & ~np.isfinite(result).all(axis=-1)).any())
 
@@ -59,3 +60,9 @@ def _applied(transform: Transform, colors: Float32) -> tuple[Float32, npt.NDArra
     result = np.empty_like(colors)
     transform(np.ascontiguousarray(colors), result)
     return result, np.asarray(np.isfinite(result).all(axis=2, keepdims=True))
+
+
+def _all_finite(values: Float32) -> bool:
+    """As `np.isfinite(values).all()`, without an array of answers: NaN are least and greatest."""
+    with np.errstate(invalid="ignore"):
+        return bool(np.isfinite([values.min(initial=0.0), values.max(initial=0.0)]).all())
