@@ -90,6 +90,14 @@ def test_half_of_a_judged_tone_may_be_the_exposure(portrait):
     assert low <= found.stops <= high
 
 
+def test_a_face_that_is_known_is_not_sought_again(portrait, monkeypatch):
+    estimate = calibrate(portrait)
+    sought = find_exposure("skin", portrait, estimate.curve)
+    monkeypatch.setattr("facecrf_ocio.image.cheek.find_faces", None)
+    known = find_exposure("skin", portrait, estimate.curve, estimate.faces)
+    assert known.stops == pytest.approx(sought.stops, abs=0.02)
+
+
 def test_without_a_face_there_is_no_skin_to_expose_for(photo, estimate):
     with pytest.raises(PhotoError, match="no cheek to expose for is in view; expose by gray"):
         find_exposure("skin", photo, estimate.curve)

@@ -142,12 +142,15 @@ class _Linearization:
 
                 rendition = write_rendition(output, source, **self.exr)
             else:
+                from facecrf_ocio.image.exposure import find_exposure
                 from facecrf_ocio.image.linearize import write_linear
 
                 estimate = self.choices.estimate(source)
-                options = {"space": self.space, "exposure": self.exposure, **self.exr}
-                options["uncertainty"] = self.uncertainty
+                options = {"space": self.space, "uncertainty": self.uncertainty, **self.exr}
                 if estimate.found is not None:
+                    options["exposure"] = find_exposure(
+                        self.exposure, source, estimate.curve, estimate.faces
+                    )
                     written = (write_linear(output, source, estimate, **options),)
         if by_map:
             return _tell_rendition(path, source, rendition)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,7 @@ from facecrf_ocio.color.primaries import LUMINANCE
 from facecrf_ocio.errors import PhotoError, SettingsError
 from facecrf_ocio.image.cheek import lit_cheek
 from facecrf_ocio.photo.pixels import code_values
-from facecrf_ocio.values import InverseCRF, Photo
+from facecrf_ocio.values import Face, InverseCRF, Photo
 
 GRAY, SKIN = "gray", "skin"
 USUAL = {"fair": 0.40, "medium": 0.22, "dark": 0.043}
@@ -48,7 +49,9 @@ def require_exposure(wanted: str) -> None:
         _stops(wanted)
 
 
-def find_exposure(wanted: str, photo: Photo, curve: InverseCRF) -> Exposure:
+def find_exposure(
+    wanted: str, photo: Photo, curve: InverseCRF, faces: Sequence[Face] = ()
+) -> Exposure:
     """Return by how much linear light is to be multiplied.
 
     Parameters
@@ -60,6 +63,8 @@ def find_exposure(wanted: str, photo: Photo, curve: InverseCRF) -> Exposure:
         the exposure; `skin:fair`, `skin:medium` and `skin:dark` tell it.
     photo, curve
         Whose light it is.
+    faces
+        Of this photo, if an estimate of it found them; else they are sought.
 
     Raises
     ------
@@ -72,7 +77,7 @@ def find_exposure(wanted: str, photo: Photo, curve: InverseCRF) -> Exposure:
         return Exposure(float(np.log2(_MIDDLE_GRAY / _mean_luminance(photo, curve))), GRAY)
     kind, _, tone = wanted.partition(":")
     if kind == SKIN and (tone in USUAL or wanted == SKIN):
-        return _by_skin(wanted, tone, photo, curve)
+        return _by_skin(wanted, tone, lit_cheek(photo, curve, faces), photo)
     return Exposure(_stops(wanted), wanted)
 
 
@@ -89,8 +94,7 @@ def _stops(wanted: str) -> float:
     return stops
 
 
-def _by_skin(wanted: str, tone: str, photo: Photo, curve: InverseCRF) -> Exposure:
-    cheek = lit_cheek(photo, curve)
+def _by_skin(wanted: str, tone: str, cheek: float | None, photo: Photo) -> Exposure:
     if not cheek:
         raise PhotoError(photo.path, "no cheek to expose for is in view", f"expose by {GRAY}")
     usual = USUAL[tone] if tone else _judged(cheek)

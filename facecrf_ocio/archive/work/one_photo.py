@@ -160,7 +160,9 @@ def _camera(photo: Photo) -> tuple[str, str, str, str]:
 def _write(task: Task, photo: Photo, estimate: Estimate) -> tuple[Path, ...]:
     recipe = task.recipe
     # First, since it is no photo's half result.
-    exposure = find_exposure(recipe.exposure, photo, estimate.curve) if recipe.exr else None
+    own = task.estimate is None and task.gathered is None  # else its faces may be other photos'
+    faces = estimate.faces if own else ()
+    exposure = find_exposure(recipe.exposure, photo, estimate.curve, faces) if recipe.exr else None
     folder = task.place.inside(task.name).parent
     make_folder(folder)
     written = write_outputs(
