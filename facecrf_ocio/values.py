@@ -113,6 +113,8 @@ class GainMap:
         `Ultra HDR`, `ISO 21496-1` or `Apple`.
     primaries
         In which the gain is meant, if not in those of the encoded picture.
+    rendition
+        Primaries of the HDR light, if not those in which the gain is meant.
     base, orientation
         The encoded picture as JPEG, and how that is turned upright; empty where it is none.
     """
@@ -125,6 +127,7 @@ class GainMap:
     offset: Float
     standard: str
     primaries: Primaries | None = None
+    rendition: Primaries | None = None
     base: bytes = field(default=b"", repr=False)
     orientation: int = 1
 

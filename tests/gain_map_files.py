@@ -15,9 +15,11 @@ _XMP = b"http://ns.adobe.com/xap/1.0/\0"
 _ISO = b"urn:iso:std:iso:ts:21496:-1\0"
 
 
-def jpeg(codes: npt.NDArray[np.uint8]) -> bytes:
+def jpeg(codes: npt.NDArray[np.uint8], icc: bytes = b"", *, halved: bool = False) -> bytes:
+    """Of the best quality; `halved` color differences (4:2:0) are what phones write."""
     out = BytesIO()
-    Image.fromarray(codes).save(out, "JPEG", quality=100, subsampling=0)
+    profile = {"icc_profile": icc} if icc else {}
+    Image.fromarray(codes).save(out, "JPEG", quality=100, subsampling=2 * halved, **profile)
     return out.getvalue()
 
 
@@ -53,9 +55,11 @@ def ultra_hdr_numbers(**numbers: Any) -> bytes:
     return xmp(" ".join(f'hdrgm:{name}="{value}"' for name, value in single.items()), lists)
 
 
-def iso_numbers(channels: list[tuple[float, ...]], *, common: bool = False) -> bytes:
+def iso_numbers(
+    channels: list[tuple[float, ...]], *, common: bool = False, base_space: bool = True
+) -> bytes:
     """ISO 21496-1 of (low, high, gamma, base offset, offset) for one channel or three."""
-    flags = 0x40 | (0x80 if len(channels) == 3 else 0) | (0x08 if common else 0)
+    flags = 0x40 * base_space | 0x80 * (len(channels) == 3) | 0x08 * common
     said = _ISO + struct.pack(">HHB", 0, 0, flags)
     unit = 1 << 16
     if common:
@@ -71,10 +75,17 @@ def iso_numbers(channels: list[tuple[float, ...]], *, common: bool = False) -> b
 
 
 def with_gain_map(
-    base: npt.NDArray[np.uint8], values: npt.NDArray[np.uint8], numbers: bytes
+    base: npt.NDArray[np.uint8],
+    values: npt.NDArray[np.uint8],
+    numbers: bytes,
+    *,
+    base_icc: bytes = b"",
+    map_icc: bytes = b"",
+    halved: bool = False,
 ) -> bytes:
     """An Ultra HDR JPEG: two pictures, and segments that say so (CIPA DC-007, Google's XMP)."""
-    gain_map = with_segments(jpeg(values), numbers)
+    gain_map = with_segments(jpeg(values, map_icc), numbers)
+    encoded = jpeg(base, base_icc, halved=halved)
     container = xmp(
         'hdrgm:Version="1.0"',
         "<Container:Directory><rdf:Seq>"
@@ -84,9 +95,9 @@ def with_gain_map(
         f'Item:Mime="image/jpeg" Item:Length="{len(gain_map)}"/></rdf:li>'
         "</rdf:Seq></Container:Directory>",
     )
-    plain = with_segments(jpeg(base), container)
+    plain = with_segments(encoded, container)
     size = len(plain) + 4 + 86
-    first = with_segments(jpeg(base), container, _mpf(size, len(gain_map), 2 + len(container) + 8))
+    first = with_segments(encoded, container, _mpf(size, len(gain_map), 2 + len(container) + 8))
     assert len(first) == size
     return first + gain_map
 

@@ -82,8 +82,9 @@ def headroom(gain_map: GainMap) -> float:
 
 
 def _space(photo: Photo, gain_map: GainMap) -> Primaries:
-    """Primaries in which the gain is meant, and of the rendition."""
-    return gain_map.primaries or photo.primaries or known_primaries("Rec.709", "assumed")
+    """Primaries of the rendition."""
+    own = gain_map.rendition or gain_map.primaries or photo.primaries
+    return own or known_primaries("Rec.709", "assumed")
 
 
 def hdr_rows(photo: Photo, gain_map: GainMap, begin: int, end: int) -> Float32:
@@ -94,8 +95,10 @@ def hdr_rows(photo: Photo, gain_map: GainMap, begin: int, end: int) -> Float32:
     light: npt.NDArray[Any] = decode_srgb(photo.encoded[begin:end]).astype(np.float32)
     if gain_map.primaries is not None:
         light = light @ _between(photo.primaries, gain_map.primaries).T
-    gain = _gain(gain_map, map_rows(gain_map.values, photo.encoded.shape, begin, end))
+    gain = _gain(gain_map, map_rows(gain_map, photo.encoded.shape, begin, end))
     light = (light + gain_map.base_offset) * gain - gain_map.offset
+    if gain_map.rendition is not None:
+        light = light @ _between(gain_map.primaries or photo.primaries, gain_map.rendition).T
     return np.asarray(np.maximum(light, 0), np.float32)
 
 
@@ -115,29 +118,50 @@ def _gain(gain_map: GainMap, values: Float32) -> npt.NDArray[np.floating]:
     return np.asarray(np.exp2(gain_map.low + (gain_map.high - gain_map.low) * raised))
 
 
-def map_rows(values: Float32, shape: tuple[int, ...], begin: int, end: int) -> Float32:
+def map_rows(gain_map: GainMap, shape: tuple[int, ...], begin: int, end: int) -> Float32:
     """(end - begin, W, 3) of a coarser map: the four values around, weighed by nearness.
 
-    Weights are one through the distance (Shepard), and pixel 0 lies at the map's 0, as libultrahdr
-    samples it; linear weights would be off by up to 3 % at edges.
+    Weights are one through the distance (Shepard), and the file's first pixel lies at the map's
+    first, as libultrahdr samples it; linear weights would be off by up to 3 % at edges.
     """
     height, width = shape[:2]
+    values, turned = gain_map.values, gain_map.orientation
     if values.shape[:2] == (height, width):
         return values[begin:end]
-    y = np.arange(begin, end) * (values.shape[0] / height)
-    x = np.arange(width) * (values.shape[1] / width)
-    below_y, below_x = np.floor(y).astype(int), np.floor(x).astype(int)
+    rows, columns = values.shape[:2]
+    scale_y, scale_x = _scales(height / rows, width / columns, sideways=turned in _SIDEWAYS)
     total = np.zeros((end - begin, width, 1), np.float32)
     result = np.zeros((end - begin, width, 3), np.float32)
     for step_y in (0, 1):
-        row = np.minimum(below_y + step_y, values.shape[0] - 1)
+        row, away_y = _beside(np.arange(height) / scale_y, rows, step_y, backward=turned in _UP)
         for step_x in (0, 1):
-            column = np.minimum(below_x + step_x, values.shape[1] - 1)
-            distance = np.hypot((y - row)[:, None], (x - column)[None])
+            x = np.arange(width) / scale_x
+            column, away_x = _beside(x, columns, step_x, backward=turned in _LEFT)
+            distance = np.hypot(away_y[begin:end, None], away_x[None])
             weight = (1 / np.maximum(distance, _AT_A_VALUE)).astype(np.float32)[..., None]
-            result += weight * values[row[:, None], column[None]]
+            result += weight * values[row[begin:end, None], column[None]]
             total += weight
     return np.asarray(result / total)
 
 
+def _scales(y: float, x: float, *, sideways: bool) -> tuple[float, float]:
+    """Photo pixels a map value; that of the file's width for both where they are nearly alike."""
+    if abs(y / x - 1) > _ALIKE:
+        return y, x
+    return (y, y) if sideways else (x, x)
+
+
+def _beside(
+    place: Float, values: int, step: int, *, backward: bool
+) -> tuple[npt.NDArray[np.intp], Float]:
+    """Which map value lies before (0) or behind (1) each pixel in the file, and how far away."""
+    index = np.minimum(place.astype(np.intp) + step, values - 1)
+    away = place - index
+    return (values - 1 - index[::-1], away[::-1]) if backward else (index, away)
+
+
 _AT_A_VALUE = 1e-6  # [map pixel] nearer than this, a value is taken as it is
+_ALIKE = 0.01  # [ratio] by which libultrahdr lets the sides' scales differ
+# EXIF orientations in which the file's first pixel is below, or to the right, once upright; and
+# those in which its rows stand.
+_UP, _LEFT, _SIDEWAYS = (3, 4, 7, 8), (2, 3, 6, 7), (5, 6, 7, 8)

@@ -92,11 +92,12 @@ def _numbers(picture: JpegParts, exif: bytes) -> tuple[Any, ...] | None:
     """All of a `GainMap` but its values; None where the picture is no gain map."""
     binary = picture.contents(0xE2, _ISO)
     if binary and len(binary[0]) > 4:
-        own = None if binary[0][4] & _BASE_SPACE else _primaries(picture)
-        return (*_of_iso(binary[0]), "ISO 21496-1", own)
+        own = _primaries(picture)
+        applied = None if binary[0][4] & _BASE_SPACE else own
+        return (*_of_iso(binary[0]), "ISO 21496-1", applied, own)
     xmp = xmp_of(b"", picture)
     if values_of(xmp, "hdrgm:GainMapMax"):
-        return (*_of_xmp(xmp), "Ultra HDR")
+        return (*_of_xmp(xmp), "Ultra HDR", None, _primaries(picture))
     if APPLE in xmp:
         told = value_of(xmp, "HDRGainMap:HDRGainMapHeadroom")
         return apple_numbers(told, 0.0 if told else apple_headroom(load_exif(exif)))

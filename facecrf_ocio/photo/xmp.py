@@ -12,6 +12,8 @@ _MARK = b"<rdf:RDF"
 _SPACES = {
     "tiff": "http://ns.adobe.com/tiff/1.0/",
     "crs": "http://ns.adobe.com/camera-raw-settings/1.0/",
+    "hdrgm": "http://ns.adobe.com/hdr-gain-map/1.0/",
+    "HDRGainMap": "http://ns.apple.com/HDRGainMap/1.0/",
 }
 """Namespaces by their usual prefixes (XMP part 2), which a packet may call otherwise."""
 
