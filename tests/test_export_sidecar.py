@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from facecrf_ocio.errors import LutError, OutputError
+from facecrf_ocio.files import strict_json
 from facecrf_ocio.record.sampled import TOLERANCE, read_rows, thinned
 from facecrf_ocio.record.sidecar import read_sidecar, write_sidecar
 from facecrf_ocio.settings import Settings
@@ -400,3 +401,15 @@ def test_a_number_beyond_what_floats_hold_and_a_huge_file_are_refused(tmp_path: 
         file.truncate(1 << 40)  # a terabyte of nothing
     with pytest.raises(LutError, match="more than 32 MB"):
         read_sidecar(path)
+
+
+@pytest.mark.parametrize("number", [b"1e999", b"-2.5E+400", b"1" + 400 * b"0" + b".0"])
+@pytest.mark.parametrize("after", [b"]", b", 1]", b"\n]", b"e", b""])
+def test_numbers_are_refused_wherever_they_stand(number: bytes, after: bytes) -> None:
+    content = number if not after else b"[" + number + after
+    with pytest.raises(ValueError, match=r"more than a number can hold|Extra data|delimiter"):
+        strict_json.load(content)
+
+
+def test_a_hash_is_no_number() -> None:
+    assert strict_json.load(b'{"sha256": "1e400"}') == {"sha256": "1e400"}

@@ -11,8 +11,9 @@ from typing import Any, NoReturn
 import numpy as np
 
 # A number beyond 1e308 has an exponent of three digits, or more digits than that. Asking Python for
-# each of thousands of others takes longer than all the rest of reading.
-_MAY_OVERFLOW = re.compile(rb"[eE][+]?\d{3}|\d{300}")
+# each of thousands of others takes longer than all the rest of reading. What follows a number tells
+# it from the digits of a hash.
+_MAY_OVERFLOW = re.compile(rb'[eE][+]?\d{3,}(?![\w"])|(?<!\d)\d{300}')
 
 
 def dump(record: Mapping[str, object]) -> bytes:

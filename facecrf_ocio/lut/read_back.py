@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.errors import LutError
+from facecrf_ocio.lut.encoding import Encoding
 from facecrf_ocio.lut.format_table import LutFormat, format_of
 from facecrf_ocio.lut.ocio_processor import RefusedError, exact_cpu, ocio_processor
 from facecrf_ocio.lut.table import LUT_LENGTH
@@ -65,8 +67,8 @@ def require_transform(
     resolution = _CODE_RESOLUTION
     if transform.encodes and transform.matrix is not None:
         resolution *= 4.0 * _gain(transform.matrix) * _gain(np.linalg.inv(transform.matrix))
-    nodes, values = expected(transform, row.encoding)
-    error = _worst_error(found, places, (nodes, values), resolution)
+    kind = row.encoding if transform.encodes else Encoding.UNIFORM
+    error = _worst_error(found, *_bounds(transform.curve, transform.direction, kind, resolution))
     if not error <= tolerance:
         raise LutError(
             f"{name}: OpenColorIO reads it back with an error of {error:.3g}; nothing was written, "
@@ -99,19 +101,30 @@ def _read_through_ocio(
     return pixels
 
 
-def _worst_error(
-    found: Float,
-    places: npt.NDArray[np.float32],
-    curve: tuple[Float, Float],
-    resolution: float,
-) -> float:
-    """Return by how much (N, 3) `found` leaves the curve as seen within the code resolution."""
-    worst = 0.0
-    for channel, (nodes, values) in enumerate(zip(*curve, strict=True)):
-        at = places[:, channel].astype(np.float64)
-        low = np.interp(at - resolution, nodes, values)
-        high = np.interp(at + resolution, nodes, values)
-        given = found[:, channel]
-        # NaN must not pass: np.max keeps it, and the caller's comparison refuses it.
-        worst = float(np.max([worst, np.max(low - given), np.max(given - high)]))
-    return worst
+@lru_cache(maxsize=4)  # of one photo's files, most of which hold the same curve
+def _bounds(
+    curve: InverseCRF, direction: str, encoding: Encoding, resolution: float
+) -> tuple[Float, Float]:
+    """(N, 3) least and greatest of what a format holds, as seen within the code resolution."""
+    nodes, values = expected(LutTransform(curve, direction), encoding)
+    at = _places()[:, 0].astype(np.float64)
+    spans = [
+        [np.interp(at + shift, nodes[c], values[c]) for shift in (-resolution, resolution)]
+        for c in range(_different(nodes, values))
+    ]
+    low, high = (
+        np.broadcast_to(np.transpose(ends), (at.size, 3)) for ends in zip(*spans, strict=True)
+    )
+    return low, high
+
+
+def _different(nodes: Float, values: Float) -> int:
+    """How many channels there are to look at: one where the others are like it."""
+    alike = all((rows == rows[0]).all() for rows in (nodes, values))
+    return 1 if alike else len(nodes)
+
+
+def _worst_error(found: Float, low: Float, high: Float) -> float:
+    """Return by how much (N, 3) `found` leaves its bounds."""
+    # NaN must not pass: np.max keeps it, and the caller's comparison refuses it.
+    return float(np.max([0.0, np.max(low - found), np.max(found - high)]))

@@ -12,7 +12,7 @@ from facecrf_ocio.lut.format_table import default_formats
 from facecrf_ocio.lut.transform import LutTransform
 from facecrf_ocio.lut.write import lut_draft, split_ending
 from facecrf_ocio.record.output_names import RECORD, output_path
-from facecrf_ocio.record.sidecar import read_sidecar, sidecar_draft
+from facecrf_ocio.record.sidecar import read_source, sidecar_draft
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Estimate, Photo
 from facecrf_ocio.wording.trust_words import trust_phrase
@@ -120,7 +120,7 @@ def require_distinct_names(sources: Sequence[Path]) -> None:
 
 def _require_same_source(sidecar: Path, source: Path) -> None:
     try:
-        owner = read_sidecar(sidecar).source.name
+        owner = read_source(sidecar)[0].name
     except LutError:  # none there, or unreadable: then overwriting is for the user to decide
         return
     if owner is not None and owner != source.name:
