@@ -10,13 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
-from facecrf_ocio.checks import unit_floats
 from facecrf_ocio.color.signals import decode_hlg, decode_log, decode_pq
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.estimators import (
@@ -28,7 +25,7 @@ from facecrf_ocio.estimators import (
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude, gather, shipped_joint
 from facecrf_ocio.joint.single_curve import gain_scatter
 from facecrf_ocio.joint.verdict import doubted, not_single
-from facecrf_ocio.photo.read import read_photo
+from facecrf_ocio.photo.given import GivenPhoto, photo_given
 from facecrf_ocio.response.fixed import fixed_curve, prior_confidence
 from facecrf_ocio.response.model import (
     CURVE_SIZE,
@@ -54,7 +51,7 @@ SAME_CURVE = "the camera applied the same curve to all channels"
 
 
 def calibrate(
-    photo: Photo | str | Path | npt.NDArray[Any],
+    photo: GivenPhoto,
     *,
     estimator: str = "auto",
     fallback: str = "none",
@@ -96,11 +93,13 @@ def calibrate(
 
     Raises
     ------
+    PhotoError
+        If the photo cannot be read, or is none.
     SettingsError
         If the estimator, the fallback or the prior is not known, or the model is of another
         estimator's kind.
     """
-    photo = _photo(photo)
+    photo = photo_given(photo)
     settings = settings or Settings()
     if estimator not in ESTIMATORS:
         raise SettingsError(f"no estimator {estimator!r}; known: {', '.join(ESTIMATORS)}")
@@ -163,15 +162,6 @@ def _doubted(estimate: Estimate, photo: Photo, most_scatter: float) -> Estimate:
     if scatter > most_scatter:
         found.append(f"its gain map strays from every single curve by {scatter:.2f} stops")
     return replace(estimate, confidence=doubted(told, not_single(found)))
-
-
-def _photo(given: Photo | str | Path | npt.NDArray[Any]) -> Photo:
-    if isinstance(given, Photo):
-        return given
-    if isinstance(given, np.ndarray):
-        depth = 8 * given.itemsize if given.dtype.kind == "u" else None
-        return Photo(encoded=unit_floats(given), bit_depth=depth)
-    return read_photo(given)
 
 
 def _already_linear(photo: Photo) -> Estimate:

@@ -49,13 +49,17 @@ def read_only(items: Mapping[str, float]) -> MappingProxyType[str, float]:
 copyreg.pickle(MappingProxyType, lambda view: (read_only, (dict(view),)))
 
 
+_FAR_ABOVE_WHITE = 16.0  # no filter rings as far; floats beyond are codes of 8 bits or more
+
+
 def unit_floats(values: npt.ArrayLike) -> npt.NDArray[Any]:
     """Return code values as floats in [0, 1]: 8-bit and 16-bit integers by their maximum.
 
     Raises
     ------
     SettingsError
-        If they are other integers, whose maximum nobody knows.
+        If they are other integers, whose maximum nobody knows, or floats that were not divided
+        by theirs.
     """
     given = np.asarray(values)
     if given.dtype in (np.uint8, np.uint16):
@@ -64,6 +68,11 @@ def unit_floats(values: npt.ArrayLike) -> npt.NDArray[Any]:
         raise SettingsError(
             f"code values of type {given.dtype} have no known maximum; divide them by it and give "
             "floats in [0, 1], or use uint8 or uint16"
+        )
+    if given.size and given.max() > _FAR_ABOVE_WHITE:
+        raise SettingsError(
+            f"code values up to {given.max():g} are not in [0, 1]; divide them by the maximum code "
+            "(255 or 65535)"
         )
     return given
 

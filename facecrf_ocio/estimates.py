@@ -91,6 +91,11 @@ class InverseCRF:
         -------
         numpy.ndarray
             (..., 3) float32, relative linear light in [0, 1].
+
+        Raises
+        ------
+        SettingsError
+            If they are other integers, or floats that nobody divided by the maximum code.
         """
         values = unit_floats(encoded)
         return self._map(values, tuple((self.encoded, curve) for curve in self.linear))

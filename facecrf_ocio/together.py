@@ -6,8 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from facecrf_ocio.joint import JointModel, conclude, gather, misfit, shipped_joint
+from facecrf_ocio.photo.given import GivenPhoto, photo_given
 from facecrf_ocio.settings import JointSettings
-from facecrf_ocio.values import Estimate, Photo
+from facecrf_ocio.values import Estimate
 
 MISFIT_LIMIT = 1.0
 """Standard deviations from which a photo is taken to have another curve than its group. Of 432
@@ -38,7 +39,7 @@ class Together:
 
 
 def calibrate_together(
-    photos: Iterable[Photo],
+    photos: Iterable[GivenPhoto],
     *,
     prior: str = "auto",
     settings: JointSettings | None = None,
@@ -51,17 +52,19 @@ def calibrate_together(
     Parameters
     ----------
     photos
-        Photos that are encoded; scene-linear ones have no curve to share.
+        As `calibrate` takes them; scene-linear ones have no curve to share.
     prior, settings, model
         As for `calibrate`.
 
     Raises
     ------
+    PhotoError
+        If a photo cannot be read, or is none.
     SettingsError
         If the prior is not known.
     """
     model = model or shipped_joint()
-    evidence = [gather(photo, settings, model.networks) for photo in photos]
+    evidence = [gather(photo_given(photo), settings, model.networks) for photo in photos]
     estimate = conclude(evidence, prior, model)
     return Together(
         estimate,

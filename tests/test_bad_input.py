@@ -184,6 +184,7 @@ def expect_one_line(facecrf: CommandLine, photo: Path, code: int, *problems: str
     assert ended.err.startswith(f"facecrf: {photo}: ")
     assert ended.err.count("\n") == 1
     assert any(problem in ended.err for problem in problems)
+    assert "picture.jpg" not in ended.err  # the copy a JPEG is read from
     assert len(ended.err.split("; ")[-1]) > 10  # the remedy
     assert names_in(photo.parent) == before
 

@@ -12,8 +12,10 @@ from facecrf_ocio import (
     LutError,
     Outcome,
     Photo,
+    PhotoError,
     SettingsError,
     calibrate,
+    calibrate_together,
     linearize_photo,
     read_curve,
     read_photo,
@@ -35,6 +37,27 @@ def test_integers_are_code_values(kind, maximum):
 def test_integers_without_a_known_maximum_are_refused():
     with pytest.raises(SettingsError, match="int64 have no known maximum"):
         CURVE.linearize(np.array([[1, 2, 3]]))
+
+
+def test_floats_that_were_not_divided_are_refused():
+    with pytest.raises(SettingsError, match=r"up to 255 are not in \[0, 1\]; divide them"):
+        CURVE.linearize(np.array([[0.0, 3.0, 255.0]]))
+    np.testing.assert_allclose(CURVE.linearize([[-0.5, 0.5, 1.5]]), [[0, 0.25, 1]], atol=1e-5)
+
+
+@pytest.mark.parametrize("what", [7, None, [0.5, 0.5]])
+def test_what_is_no_photo_is_told_with_what_is(what):
+    for call in (calibrate, lambda given: calibrate_together([given])):
+        with pytest.raises(PhotoError, match="give a Photo, a path, or an array"):
+            call(what)
+
+
+def test_photos_taken_together_may_be_paths_and_arrays(tmp_path):
+    codes = np.random.default_rng(0).integers(0, 256, (80, 90, 3)).astype(np.uint8)
+    path = tmp_path / "a.png"
+    Image.fromarray(codes).save(path)
+    together = calibrate_together([path, str(path), codes, read_photo(path)])
+    assert len(together.lacking) == 4
 
 
 def test_a_photo_may_be_a_path_or_an_array(tmp_path):

@@ -275,6 +275,9 @@ def _camera(spec: Any) -> Camera:
 
 
 def _one_line(text: str, path: Path) -> str:
-    """First line of a decoder's complaint, without the file's name, which the error has already."""
-    first = text.strip().partition("\n")[0]
-    return first.replace(f'("{path}")', "").replace(f'"{path}"', "it").strip(" .")[:160]
+    """First line of a decoder's complaint, without the file's name, which the error has already.
+
+    Nor with that of the copy that a mended JPEG is read from.
+    """
+    first = re.sub(r' *\("[^"]*"\)', "", text.strip().partition("\n")[0])
+    return first.replace(f'"{path}"', "it").strip(" .")[:160]
