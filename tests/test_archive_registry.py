@@ -8,11 +8,18 @@ import numpy as np
 import pytest
 from archive_photos import ONE, table, write_face
 from command_line import CommandLine
+from dask_cluster import DaskCluster
 
 from facecrf_ocio.archive.cameras.registry import reopen_measured
 from facecrf_ocio.archive.manifest.database import Manifest, Stamp
 from facecrf_ocio.archive.task import Result
-from facecrf_ocio.cameras.known_cameras import POINTS, KnownCamera, write_registry
+from facecrf_ocio.cameras.known_cameras import (
+    POINTS,
+    KnownCamera,
+    own_cameras,
+    own_cameras_are,
+    write_registry,
+)
 from facecrf_ocio.errors import OutputError
 from facecrf_ocio.record.sidecar import read_sidecar
 
@@ -100,3 +107,39 @@ def test_a_batch_does_them_again_and_no_others(capfd, tmp_path, registry, pool):
     assert "3 done before" in facecrf(*how).err
     (noted,) = table(output, "SELECT value FROM about WHERE key = 'cameras'")
     assert list(json.loads(noted[0])) == ["one"]
+
+
+@pytest.mark.slow
+def test_a_cluster_goes_by_the_registry_of_who_asks(capfd, tmp_path, monkeypatch):
+    pytest.importorskip("distributed", reason="the extra cluster is not installed")
+    facecrf, source = CommandLine(capfd), tmp_path / "photos"
+    write_face(source / "0.jpg", 0, **ONE)
+    write_face(source / "1.jpg", 1, Make="Acme", Model="Two")
+    theirs, ours, folder = tmp_path / "theirs.json", tmp_path / "ours.json", tmp_path / "cluster"
+    write_registry(theirs, [measured("Two")], overwrite=True)
+    folder.mkdir()
+    with DaskCluster(folder) as cluster:
+        cluster.add_worker(FACECRF_CAMERAS=str(theirs))
+        cluster.wait_for_workers(1)
+        monkeypatch.setenv("FACECRF_CAMERAS", str(ours))
+        for known in ([], [measured("One")]):
+            write_registry(ours, known, overwrite=True)
+            output = tmp_path / f"{len(known)} known"
+            how = ("batch", source, "-o", output, "--formats", "spi1d", "--ship")
+            assert facecrf(*how, "--scheduler", cluster.address).code == 0
+            assert counted_as_known(output / "0.jpg.crf.json") == bool(known)
+            assert not counted_as_known(output / "1.jpg.crf.json")
+
+
+def counted_as_known(record):
+    told = read_sidecar(record).estimate.confidence
+    return any("the measured response of Acme" in one for one in (*told.reasons, *told.doubts))
+
+
+def test_cameras_that_came_with_the_work_count_in_its_block_alone(registry):
+    registry(measured("One"))
+    with own_cameras_are((measured("Two"),)):
+        assert [one.model for one in own_cameras()] == ["Two"]
+        with own_cameras_are(None):
+            assert [one.model for one in own_cameras()] == ["One"]
+    assert [one.model for one in own_cameras()] == ["One"]

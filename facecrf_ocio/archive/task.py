@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from facecrf_ocio.archive.place import Place
+from facecrf_ocio.cameras.known_cameras import KnownCamera
 from facecrf_ocio.lut.format_table import default_formats
 from facecrf_ocio.photo.shot import Shot
 from facecrf_ocio.record.output_names import EXR, RECORD, output_name
@@ -111,6 +112,8 @@ class Task:
         To be written; without assumptions it gets those of the photo.
     gathered
         What the photo said before; the curve to be written is then estimated from it.
+    cameras
+        The user's own measured cameras; None for those of the machine that does the work.
     """
 
     source: Path
@@ -122,6 +125,7 @@ class Task:
     sha256: str = ""
     estimate: Estimate | None = None
     gathered: Gathered | None = None
+    cameras: tuple[KnownCamera, ...] | None = None
 
     @property
     def planned(self) -> tuple[str, ...]:

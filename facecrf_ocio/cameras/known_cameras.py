@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import asdict, dataclass
 from functools import cache, lru_cache
 from importlib.resources import files
@@ -83,8 +85,27 @@ def known_cameras() -> tuple[KnownCamera, ...]:
     return (*shipped_cameras(), *own_cameras())
 
 
+_SENT: ContextVar[tuple[KnownCamera, ...] | None] = ContextVar("_SENT", default=None)
+
+
+@contextmanager
+def own_cameras_are(sent: tuple[KnownCamera, ...] | None) -> Iterator[None]:
+    """Take these for the user's own within the block, whatever is in this machine's registry.
+
+    Work for somebody elsewhere goes by that one's registry; None leaves this machine's.
+    """
+    token = _SENT.set(sent)
+    try:
+        yield
+    finally:
+        _SENT.reset(token)
+
+
 def own_cameras() -> tuple[KnownCamera, ...]:
     """The user's own."""
+    sent = _SENT.get()
+    if sent is not None:
+        return sent
     path = registry_path()
     try:
         changed = path.stat().st_mtime_ns

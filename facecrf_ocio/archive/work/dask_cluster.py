@@ -12,6 +12,7 @@ import queue
 from collections import deque
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
+from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
@@ -28,6 +29,7 @@ from facecrf_ocio.archive.work.cluster import (
 from facecrf_ocio.archive.work.delivered import accepted, odd_answer
 from facecrf_ocio.archive.work.parcel import Delivery, Parcel, unpack
 from facecrf_ocio.archive.work.processes import Limits, Workers
+from facecrf_ocio.cameras.known_cameras import own_cameras
 from facecrf_ocio.errors import ClusterError, OutputError, SettingsError, reason_of
 from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.files.versions import versions
@@ -119,7 +121,7 @@ class ClusterWorkers:
             self._answers.append((task, self._here(task)))
             return
         parcel = Parcel(
-            task,
+            replace(task, cameras=own_cameras()),
             self.limits,
             source=task.source.absolute(),
             folder=task.place.folder.absolute(),

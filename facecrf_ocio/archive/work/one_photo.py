@@ -25,6 +25,7 @@ from facecrf_ocio.archive.task import (
     Timing,
 )
 from facecrf_ocio.calibrate import SAME_CURVE, assumptions_of, calibrate
+from facecrf_ocio.cameras.known_cameras import own_cameras_are
 from facecrf_ocio.errors import (
     OVERWRITE,
     ExistsError,
@@ -65,11 +66,12 @@ def process(task: Task) -> Result:
     outcome is `failed`. What may have passed after a second is tried once more. The same photo and
     recipe give the same bytes, whenever and wherever this runs on a processor that can do the same.
     """
-    result = _attempt(task)
-    if result.lasting:
-        return result
-    time.sleep(_PAUSE)
-    return _attempt(task)
+    with own_cameras_are(task.cameras):
+        result = _attempt(task)
+        if result.lasting:
+            return result
+        time.sleep(_PAUSE)
+        return _attempt(task)
 
 
 def _attempt(task: Task) -> Result:
