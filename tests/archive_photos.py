@@ -55,7 +55,7 @@ def everything(folder: Path):
     """All that must not depend on how often a run was broken off: tables without times."""
     durations = {"read_s", "estimate_s", "write_s", "written_ns"}
     found = {}
-    for name in ("photos", "evidence", "cameras", "brackets", "outputs"):
+    for name in ("photos", "evidence", "cameras", "brackets", "merges", "outputs"):
         columns = [row[1] for row in table(folder, f"PRAGMA table_info({name})")]
         kept = ", ".join(column for column in columns if column not in durations)
         found[name] = table(folder, f"SELECT {kept} FROM {name} ORDER BY 1")  # noqa: S608

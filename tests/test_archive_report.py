@@ -434,13 +434,14 @@ BRACKET = {
     "rmse": 0.021,
     "curve": CURVE,
 }
+MERGE = {"name": "film.jpg", "state": "done", "outcome": "merged", "file": "film.jpg.hdr.exr"}
 
 
 def pool(output: Path) -> None:
     """Record what a run with one curve per camera finds."""
     change(output, *POOLED)
     with sqlite3.connect(output / FILE) as base:
-        for table, values in (("cameras", CAMERA), ("brackets", BRACKET)):
+        for table, values in (("cameras", CAMERA), ("brackets", BRACKET), ("merges", MERGE)):
             kinds = {row[1]: row[2] for row in base.execute(f"PRAGMA table_info({table})")}
             row = [values.get(name, "" if kind == "TEXT" else 0) for name, kind in kinds.items()]
             marks = ", ".join("?" * len(row))
@@ -454,6 +455,7 @@ def test_cameras_misfits_brackets_and_duplicates_are_told(archive):
     (group,), (bracket,) = page.data["groups"], page.data["brackets"]
     assert (group["members"], group["misfits"], group["verdict"]) == (2, 1, "weak")
     assert (bracket["photos"], bracket["stops"], bracket["rmse"]) == (3, 4.0, 2.1)
+    assert bracket["merged"] == "film.jpg.hdr.exr"
     text = json.loads(page.texts["curves"])[group["curve"]]
     linear = np.frombuffer(base64.b64decode(text), "<u2").reshape(4, -1)[0] / 65535
     assert linear[linear.size // 2] == pytest.approx(0.2, abs=1e-5)
@@ -577,6 +579,8 @@ def test_cameras_misfits_and_brackets_lead_to_their_photos(window):
     assert "no. 17, v2, vivid" in page.one("#cameras").text
     page.one("#cameras button").click()
     page.wait(lambda: "of 60" in page.count)
+    (merged,) = [a for a in page.all("#brackets a") if a.text == "EXR"]
+    assert merged.get_attribute("href").endswith("film.jpg.hdr.exr")
     page.one("#brackets button").click()
     assert page.names == ["gone.png"]
     page.one("#reset").click()

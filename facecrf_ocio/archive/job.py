@@ -10,7 +10,7 @@ from facecrf_ocio.archive.task import Recipe, Result
 from facecrf_ocio.archive.work.cluster import Cluster
 from facecrf_ocio.archive.work.processes import Limits
 
-REOPENED = "reopened"
+REOPENED, BRACKET = "reopened", "bracket"
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +60,8 @@ class Event:
     step
         `DONE`: it is accounted for. `GATHERED`: its evidence is known. `REOPENED`: it was accounted
         for, with this result, and is now written again with another curve of its camera.
+        `BRACKET`: of the bracket that begins with it; the outcome is `merged`, `not merged` or
+        `failed`.
     """
 
     name: str

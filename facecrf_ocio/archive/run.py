@@ -6,7 +6,6 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from facecrf_ocio import __version__
 from facecrf_ocio.archive.cameras.registry import reopen_measured
@@ -19,15 +18,12 @@ from facecrf_ocio.archive.task import FAILED, GATHER, WHOLE, Result, Task
 from facecrf_ocio.archive.twins import from_twin
 from facecrf_ocio.archive.unchanged import Unchanged
 from facecrf_ocio.archive.walk import as_utf8, name_of
-from facecrf_ocio.archive.work.processes import Workers
+from facecrf_ocio.archive.work.hired import AnyWorkers, workers_of
 from facecrf_ocio.archive.work.status import status_of
 from facecrf_ocio.errors import OutputError, PhotoError
 from facecrf_ocio.estimators import JOINT_NAMES
 from facecrf_ocio.files.content import fingerprint_of
 from facecrf_ocio.files.folders import make_folder
-
-if TYPE_CHECKING:
-    from facecrf_ocio.archive.work.dask_cluster import ClusterWorkers
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,24 +54,26 @@ def run(job: Job, photos: Iterable[Path], tell: Callable[[Event], None]) -> None
         try:
             _require_same_source(manifest, job.source)
             place.clear(manifest.started())
-            with _workers(job) as workers:
+            with workers_of(job) as workers:
                 recipe = job.recipe.sha256(__version__), job.recipe.to_json()
                 manifest.note_run(*recipe, workers.processors())
                 if job.recipe.estimator in JOINT_NAMES and not job.again:
                     reopen_measured(manifest)
                 _Run(job, place, manifest, workers, identity, tell).through(photos)
+            if job.recipe.merge:
+                _merge_brackets(job, place, manifest, tell)
             if job.cluster is not None:
                 place.clear_all()
         finally:
             manifest.close()
 
 
-def _workers(job: Job) -> Workers | ClusterWorkers:
-    if job.cluster is None:
-        return Workers(job.jobs, job.limits)
-    from facecrf_ocio.archive.work.dask_cluster import ClusterWorkers  # noqa: PLC0415 - heavy
+def _merge_brackets(
+    job: Job, place: Place, manifest: Manifest, tell: Callable[[Event], None]
+) -> None:
+    from facecrf_ocio.archive.merges import merge_brackets  # noqa: PLC0415 - brings OpenCV
 
-    return ClusterWorkers(job.cluster, job.limits, job.folder)
+    merge_brackets(job, place, manifest, tell)
 
 
 class _Run:
@@ -84,7 +82,7 @@ class _Run:
         job: Job,
         place: Place,
         manifest: Manifest,
-        workers: Workers | ClusterWorkers,
+        workers: AnyWorkers,
         identity: tuple[int, int],
         tell: Callable[[Event], None],
     ) -> None:

@@ -15,7 +15,7 @@ from facecrf_ocio.record.output_names import EXR, RECORD, output_name
 from facecrf_ocio.settings import VERDICTS, Settings
 from facecrf_ocio.values import Estimate
 
-WHOLE, GATHER, WRITE = "whole", "gather", "write"
+WHOLE, GATHER, WRITE, MERGE = "whole", "gather", "write", "merge"
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +38,8 @@ class Recipe:
         [stop] Expected error above which a curve is not written; None for any.
     exposure
         Of the EXRs, as `find_exposure` takes it.
+    merge
+        Merge each bracket to one image. No photo is treated otherwise for it.
     """
 
     estimator: str = "auto"
@@ -50,6 +52,7 @@ class Recipe:
     pool: bool = False
     max_error: float | None = None
     exposure: str = "0"
+    merge: bool = False
 
     def to_json(self) -> str:
         """All of it, as the manifest keeps it."""
@@ -64,7 +67,8 @@ class Recipe:
 
     def sha256(self, version: str) -> str:
         """Hash of everything a result depends on besides the photo, `version` included."""
-        text = json.dumps({"recipe": asdict(self), "version": version}, sort_keys=True)
+        recipe = {name: value for name, value in asdict(self).items() if name != "merge"}
+        text = json.dumps({"recipe": recipe, "version": version}, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
 
@@ -88,6 +92,26 @@ class Gathered:
 
 
 @dataclass(frozen=True, slots=True)
+class Series:
+    """The photos of a bracket, as they are to be merged.
+
+    Attributes
+    ----------
+    paths, sha256
+        Their files, and the hashes of these.
+    stops
+        Their exposures.
+    center_only
+        Whether f-numbers differ, as `flat_patches` takes it.
+    """
+
+    paths: tuple[Path, ...]
+    sha256: tuple[str, ...]
+    stops: tuple[float, ...]
+    center_only: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Task:
     """One photo to be worked on.
 
@@ -106,6 +130,7 @@ class Task:
     step
         `whole`: read, calibrate, write. `gather`: read, and give back the evidence of a photo that
         can be pooled; do the whole with any other. `write`: read, and write with the curve below.
+        `merge`: merge the bracket that begins with the photo by the curve below.
     sha256
         Of the photo that the curve is for; another one is a failure. Empty if it does not matter.
     estimate
@@ -114,6 +139,8 @@ class Task:
         What the photo said before; the curve to be written is then estimated from it.
     cameras
         The user's own measured cameras; None for those of the machine that does the work.
+    series
+        The bracket.
     """
 
     source: Path
@@ -126,12 +153,17 @@ class Task:
     estimate: Estimate | None = None
     gathered: Gathered | None = None
     cameras: tuple[KnownCamera, ...] | None = None
+    series: Series | None = None
 
     @property
     def planned(self) -> tuple[str, ...]:
         """Outputs relative to the place: a.jpg gets a.jpg.cube, so that a.png gets others."""
         suffixes = [*self.recipe.formats, RECORD, *((EXR,) if self.recipe.exr else ())]
         return tuple(output_name(self.name, suffix) for suffix in suffixes)
+        if self.step == MERGE:
+            return (f"{self.name}.hdr.exr",)
+        suffixes = [*self.recipe.formats, "crf.json", *(("exr",) if self.recipe.exr else ())]
+        return tuple(f"{self.name}.{suffix}" for suffix in suffixes)
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,6 +213,9 @@ class Result:
         Why the run cannot go on (a full disk), else empty; such a photo is not done.
     lasting
         False for a failure that is not the photo's: every run tries it anew.
+    merged
+        Of each photo of a bracket, its stops relative to the one that the image shows, and the
+        share of its pixels that moved.
     """
 
     outcome: str
@@ -196,6 +231,9 @@ class Result:
     gathered: Gathered | None = None
     stop: str = ""
     lasting: bool = True
+    merged: tuple[tuple[float, float], ...] = ()
 
 
 FAILED = "failed"
+MERGED, NOT_MERGED = "merged", "not merged"
+"""Outcomes of a bracket that was to be merged."""

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from facecrf_ocio.archive.manifest.database import STARTED, Known, Manifest, Stamp
+from facecrf_ocio.archive.manifest.database import CLAIMED, STARTED, Known, Manifest, Stamp
 from facecrf_ocio.archive.place import Place
 from facecrf_ocio.archive.task import Output
 from facecrf_ocio.errors import OutputError
@@ -40,10 +40,15 @@ class Unchanged:
         return known.state != STARTED and known.sha256 != "" and known.sha256 == _hash(path)
 
     def are_outputs(self, photo: str) -> bool:
-        """Whether all that was made of a photo is there, as it was written."""
-        return all(self._is_output(output) for output in self.manifest.outputs(photo))
+        """Whether all that was made of a photo is there, as it was written.
 
-    def _is_output(self, output: Output) -> bool:
+        What is only claimed of one that is done is a merge that was broken off, and no fault of it.
+        """
+        made = (one for one in self.manifest.outputs(photo) if one.size != CLAIMED)
+        return all(self.is_output(output) for output in made)
+
+    def is_output(self, output: Output) -> bool:
+        """Whether an output is there, as it was written."""
         try:
             path = self.place.inside(output.name)
             status = path.lstat()

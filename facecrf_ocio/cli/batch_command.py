@@ -65,6 +65,11 @@ _TLS = ("tls_ca", "tls_cert", "tls_key")
     help="One curve from all photos of a camera, by EXIF; and one for each bracket.",
 )
 @click.option(
+    "--merge",
+    is_flag=True,
+    help="Also merge each bracket that --pool camera finds to one EXR, NAME.hdr.exr.",
+)
+@click.option(
     "--timeout",
     default=300.0,
     show_default=True,
@@ -141,7 +146,8 @@ def batch(
         return complain("interrupted; run the same command again to go on", INTERRUPTED)
     except OSError as error:
         return complain(f"{error.filename or output}: {error.strerror or error}", FAILED)
-    return UNREADABLE if progress.counts["failed"] else DONE
+    failed = progress.counts["failed"] or progress.brackets["failed"]
+    return UNREADABLE if failed else DONE
 
 
 def _job(source: Path, output: Path, jobs: int | None, options: dict[str, Any]) -> Job:
@@ -153,16 +159,19 @@ def _job(source: Path, output: Path, jobs: int | None, options: dict[str, Any]) 
     _require_exposure(exposure, exr=exr)
     formats = _endings(*(options.pop(name) for name in ("formats", "direction", "space")))
     limits = Limits(options.pop("timeout"), options.pop("memory"))
-    pool = options.pop("pool") == "camera"
+    pool, merge = options.pop("pool") == "camera", options.pop("merge")
     cluster = _cluster(*(options.pop(n) for n in ("scheduler", "ship", *_TLS)))
     choices = Choices(**options)
     if pool and choices.estimator not in ("auto", "joint"):
         raise click.UsageError("--pool camera takes the estimator auto or joint")
+    if merge and not pool:
+        raise click.UsageError("--merge merges what --pool camera finds; pass both")
     recipe = Recipe(
         *(choices.estimator, choices.fallback, choices.prior, choices.min_confidence),
         *(choices.settings, formats, exr, pool),
         max_error=choices.max_error,
         exposure=exposure,
+        merge=merge,
     )
     return Job(
         *(source, output, recipe, jobs or usable_cores(), limits),
@@ -188,6 +197,8 @@ def _silent(_: Event) -> None:
 def _tell(source: Path, event: Event) -> None:
     """Print what came of a photo as `calibrate --json` does."""
     result = event.result
+    if event.step == "bracket":
+        _tell_bracket(source, event)
     if event.step != "done":
         return
     kind = kind_of(result.outcome, result.verdict)
@@ -202,6 +213,16 @@ def _tell(source: Path, event: Event) -> None:
         fresh=event.fresh,
         files=[file.name for file in result.outputs],
     )
+
+
+def _tell_bracket(source: Path, event: Event) -> None:
+    """Print what came of the bracket that begins with a photo."""
+    result = event.result
+    code = {"failed": UNREADABLE, "merged": DONE}.get(result.outcome, NOTHING)
+    told: dict[str, Any] = {"outcome": result.outcome, "reason": result.reason}
+    files = [file.name for file in result.outputs]
+    told |= {"remedy": result.remedy, "fresh": event.fresh, "files": files}
+    tell_json(source / event.name, code, bracket=True, **told)
 
 
 def _endings(formats: tuple[str, ...], direction: str, space: str | None) -> tuple[str, ...]:

@@ -26,7 +26,7 @@ class Progress:
 
     def __init__(self, total: int | None, passed: Passed, tell: Callable[[Event], None]) -> None:
         self.total, self.counts, self.passed = total, Counter[str](), passed
-        self.tell = tell
+        self.tell, self.brackets = tell, Counter[str]()
         self.done = self.fresh = self.gathered = 0
         self.begin = self.said = monotonic()
         self.bar = Bar()
@@ -48,6 +48,8 @@ class Progress:
         self.tell(event)
         if event.step == "gathered":
             self.gathered += 1
+        elif event.step == "bracket":
+            self.brackets[result.outcome] += 1
         else:
             by = -1 if event.step == "reopened" else 1
             self.done += by
@@ -73,7 +75,9 @@ class Progress:
             text += f", {rate:.2f}/s"
             if self.total is not None and self.total > self.done:
                 text += f", {in_words((self.total - self.done) / rate)} left"
-        return f"{text}: " + ", ".join(f"{self.counts[kind]} {kind}" for kind in KINDS)
+        kinds = ", ".join(f"{self.counts[kind]} {kind}" for kind in KINDS)
+        merged = ", ".join(f"{self.brackets[kind]} {kind}" for kind in sorted(self.brackets))
+        return f"{text}: {kinds}" + (f"; brackets: {merged}" if merged else "")
 
 
 def _passed_over(passed: Passed) -> Iterator[str]:

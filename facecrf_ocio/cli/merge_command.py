@@ -56,11 +56,10 @@ def merge(
     Photos are aligned, exposures by EXIF are refined by the pixels, noise decides how much each
     counts, and what moved is taken from the photo that shows most. 1 is that photo's white.
     """
-    from facecrf_ocio import __version__, read_photo
     from facecrf_ocio.files.atomic import require_free
-    from facecrf_ocio.image.apply import write_exr
     from facecrf_ocio.pair.bracket_pixels import with_stops
-    from facecrf_ocio.pair.merge import merge_bracket, refined_stops
+    from facecrf_ocio.pair.merge import refined_stops
+    from facecrf_ocio.pair.merged_exr import write_merged
 
     if output.suffix.lower() != ".exr":
         raise OutputError(f"{output}: is not named as OpenEXR; give it the suffix .exr")
@@ -75,32 +74,17 @@ def merge(
             return complain(message, NOTHING)
         own = estimate is solved.estimate
         stops = solved.solved.refined if own else refined_stops(solved.bracket, estimate.found)
-        bracket = with_stops(solved.bracket, stops)
-        merged = merge_bracket(
-            lambda index: read_photo(photos[index]),
-            bracket,
-            estimate.found,
-            sigma=estimate.confidence.sigma if estimate.confidence else None,
-            still=still,
-        )
-        relative = stops - stops[bracket.reference]
-        listed = ", ".join(f"{p.name} {s:+.2f}" for p, s in zip(photos, relative, strict=True))
-        write_exr(
+        merged = write_merged(
             output,
-            merged.linear,
-            replace(merged.reference, alpha=None),
-            provenance={
-                "outcome": str(estimate.outcome),
-                "estimator": estimate.estimator,
-                "bracket": listed,
-                "version": __version__,
-            },
+            with_stops(solved.bracket, stops),
+            estimate,
+            still=still,
             half=half,
             compression=compression,
             overwrite=overwrite,
         )
     click.echo(one_line(f"{output}: {len(photos)} exposures, curve by {estimate.estimator}"))
-    for path, stop, gone in zip(photos, relative, merged.moved, strict=True):
+    for path, stop, gone in zip(photos, merged.stops, merged.moved, strict=True):
         click.echo(one_line(f"  {path.name}: {stop:+.2f} stops, {100.0 * gone:.1f} % moved"))
     return 0
 

@@ -39,22 +39,23 @@ def waiting(manifest: Manifest, like: Task, digest: str) -> Iterator[tuple[Task,
         The task; and its result, if there is nothing to write and so nothing to do.
     """
     for key in camera_keys(manifest, digest):
-        desk = _Desk(manifest, key, like, digest)
+        desk = Desk(manifest, key, like, digest)
         for member in waiting_members(manifest, key, digest):
             with understanding(manifest.path):
                 filled = desk.filled(member)
             yield filled
 
 
-class _Desk:
+class Desk:
     """The curves of one camera, each concluded once and only if it is needed."""
 
     def __init__(self, manifest: Manifest, key: str, like: Task, digest: str) -> None:
         self.manifest, self.key, self.like, self.digest = manifest, key, like, digest
-        self._camera = lru_cache(maxsize=1)(self._conclude)
-        self._bracket = lru_cache(maxsize=4)(self._solve)
+        self.camera_curve = lru_cache(maxsize=1)(self._conclude)
+        self.bracket_curve = lru_cache(maxsize=4)(self._solve)
 
     def filled(self, member: Member) -> tuple[Task, Result | None]:
+        """The task to write a photo's curve; and its result, if there is nothing to do."""
         task = replace(
             self.like,
             source=self.like.source / member.name,
@@ -66,9 +67,11 @@ class _Desk:
         evidence = told_before(gathered)
         if member.curve == "bracket":
             faces = () if evidence.face is None else (evidence.face,)
-            return replace(task, estimate=replace(self._bracket(member.bracket), faces=faces)), None
+            return replace(
+                task, estimate=replace(self.bracket_curve(member.bracket), faces=faces)
+            ), None
         if member.curve == "camera":
-            camera = self._camera()
+            camera = self.camera_curve()
             if camera is None:
                 raise ValueError(f"no photo of {self.key} says anything")
             return replace(task, estimate=member_estimate(camera, evidence)), None
@@ -84,7 +87,7 @@ class _Desk:
 
     def _solve(self, bracket: str) -> Estimate:
         members = tuple(exposures(self.manifest, self.key, self.digest, bracket))
-        estimate = bracket_estimate(members, solve(members), self._camera())
+        estimate = bracket_estimate(members, solve(members), self.camera_curve())
         if estimate is None:
             raise ValueError(f"the bracket {bracket} has no curve")
         return estimate

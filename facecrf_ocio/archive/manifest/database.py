@@ -233,12 +233,7 @@ class Manifest:
 
     def _list_outputs(self, key: str, outputs: Iterable[Output]) -> None:
         self.change("DELETE FROM outputs WHERE photo = ?", key)
-        for item in outputs:
-            self.change(
-                "INSERT OR REPLACE INTO outputs VALUES (?, ?, ?, ?, ?, ?)",
-                *(key_of(item.name), key, item.size, item.sha256, item.written_ns),
-                folded(item.name),
-            )
+        record_outputs(self, key, outputs)
 
     def forget(self, name: str) -> None:
         """Take back `start` of a photo that was never done."""
@@ -254,8 +249,12 @@ class Manifest:
             self.change("DELETE FROM photos WHERE size = ?", UNSEEN)
 
     def started(self) -> Iterator[str]:
-        """Yield the photos whose outputs may be half there."""
-        rows = self.rows("SELECT name FROM photos WHERE state IN (?, ?)", STARTED, WRITING)
+        """Yield the photos whose outputs, or whose bracket's merge, may be half there."""
+        rows = self.rows(
+            "SELECT name FROM photos WHERE state IN (?, ?) UNION "
+            "SELECT name FROM merges WHERE state = ?",
+            *(STARTED, WRITING, WRITING),
+        )
         return (name_of_key(key) for (key,) in rows)
 
     def outputs(self, photo: str) -> list[Output]:
@@ -279,6 +278,16 @@ class Manifest:
 
     def __len__(self) -> int:
         return int(next(self.rows("SELECT COUNT(*) FROM photos"))[0])
+
+
+def record_outputs(manifest: Manifest, key: str, outputs: Iterable[Output]) -> None:
+    """Record outputs of the photo with a key besides its others, within a transaction."""
+    for item in outputs:
+        manifest.change(
+            "INSERT OR REPLACE INTO outputs VALUES (?, ?, ?, ?, ?, ?)",
+            *(key_of(item.name), key, item.size, item.sha256, item.written_ns),
+            folded(item.name),
+        )
 
 
 _AGAIN = "start the batch again with --overwrite on a new folder"

@@ -72,6 +72,10 @@ class Reader:
         """The rows of all brackets, in the order of names."""
         return self._all("brackets", "name")
 
+    def merges(self) -> Iterator[Fields]:
+        """The rows of all merges, in the order of names."""
+        return self._all("merges", "name")
+
     def outputs(self) -> Iterator[tuple[str, Output]]:
         """Written outputs with the photos they were made of, in the order of names."""
         for fields in self._all("outputs", "name"):

@@ -34,6 +34,11 @@
     and of double the smoothness), `residual` (stops), `covered` (share of code values
     that points lie near), `rmse` (against the camera's curve after one free scale; -1 without
     one), `curve` (as above), `curve_sha256`.
+`merges`, one row a bracket that was to be merged (`--merge`)
+    `name` (-> brackets.name), `basis` (hash of all the image depends on), `state` (`writing`:
+    perhaps half written; `done`), `outcome` (`merged`, `not merged`, `failed`), `reason`, `remedy`
+    (why not), `file` (-> outputs.name, empty without), `exposures` (JSON: of each photo its name,
+    `sha256`, stops relative to the one that the image shows, share of its pixels that moved).
 `outputs`, one row a written file, or one that is about to be
     `name` (key: path relative to DST, as `keys.py` writes it), `photo` (-> photos.name), `size`
     [bytes; -1: about to be written], `sha256`, `written_ns` (its time when it was written, by which
@@ -55,7 +60,7 @@ import sqlite3
 
 from facecrf_ocio.archive.manifest.keys import folded, key_of
 
-VERSION = 3  # of the tables below; one more for each change of them
+VERSION = 4  # of the tables below; one more for each change of them
 
 _ABOUT = "CREATE TABLE IF NOT EXISTS about (key TEXT PRIMARY KEY, value TEXT NOT NULL)"
 _FIRST = (
@@ -139,7 +144,17 @@ _THIRD = (
     """,
     "CREATE INDEX outputs_alike ON outputs (folded)",
 )
-_STEPS = (_FIRST, _SECOND, _THIRD)
+_FOURTH = (
+    """
+    CREATE TABLE merges (
+        name TEXT PRIMARY KEY, basis TEXT NOT NULL DEFAULT '', state TEXT NOT NULL,
+        outcome TEXT NOT NULL DEFAULT '', reason TEXT NOT NULL DEFAULT '',
+        remedy TEXT NOT NULL DEFAULT '', file TEXT NOT NULL DEFAULT '',
+        exposures TEXT NOT NULL DEFAULT '[]'
+    ) WITHOUT ROWID
+    """,
+)
+_STEPS = (_FIRST, _SECOND, _THIRD, _FOURTH)
 
 
 def bring_up(base: sqlite3.Connection) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -70,7 +70,7 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class Bracket:
-    """A series of exposures of one scene; `curve` is the manifest's JSON."""
+    """A series of exposures of one scene; `curve` is the manifest's JSON, `merged` a file."""
 
     name: str
     photos: int
@@ -80,6 +80,7 @@ class Bracket:
     residual: float
     rmse: float
     curve: str
+    merged: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +119,8 @@ def read_archive(folder: Path) -> Archive:
         told = manifest.about("source")
         rows = tuple(map(_row, manifest.photos()))
         groups = tuple(map(_group, manifest.cameras()))
-        brackets = tuple(map(_bracket, manifest.brackets()))
+        merged = {fields.name("name"): fields.name("file") for fields in manifest.merges()}
+        brackets = tuple(_bracket(fields, merged) for fields in manifest.brackets())
     source = None if told is None else Path(told)
     return Archive(folder, source, rows, groups, brackets, _misfits(rows, groups))
 
@@ -183,7 +185,7 @@ def _group(fields: Fields) -> Group:
     )
 
 
-def _bracket(fields: Fields) -> Bracket:
+def _bracket(fields: Fields, merged: Mapping[str, str]) -> Bracket:
     return Bracket(
         name=fields.name("name"),
         photos=fields.whole("photos"),
@@ -193,4 +195,5 @@ def _bracket(fields: Fields) -> Bracket:
         residual=fields.number("residual"),
         rmse=fields.number("rmse"),
         curve=fields.text("curve"),
+        merged=merged.get(fields.name("name"), ""),
     )

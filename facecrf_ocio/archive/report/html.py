@@ -202,6 +202,7 @@ def _bracket(bracket: Bracket, curves: CurveList) -> dict[str, object]:
         "stops": round(bracket.stops, 1),
         "used": bracket.used,
         "reason": bracket.reason,
+        "merged": bracket.merged,
         "rmse": round(100.0 * bracket.rmse, 1) if bracket.rmse >= 0 else -1,
         "curve": curves.place(curve),
         "band": -1 if curve is None else curve.band,

@@ -18,6 +18,7 @@ from facecrf_ocio.archive.cameras.told import face_json, told_before
 from facecrf_ocio.archive.task import (
     FAILED,
     GATHER,
+    MERGE,
     Gathered,
     Output,
     Result,
@@ -77,6 +78,8 @@ def process(task: Task) -> Result:
 def _attempt(task: Task) -> Result:
     sha256 = ""
     try:
+        if task.step == MERGE:
+            return _merge(task)
         start = perf_counter()
         photo = read_photo(task.source)
         read = perf_counter()
@@ -94,6 +97,14 @@ def _attempt(task: Task) -> Result:
         return replace(failure_of(error), sha256=sha256)
     timing = Timing(read - start, done - read, perf_counter() - done)
     return replace(result, outputs=outputs, timing=timing)
+
+
+def _merge(task: Task) -> Result:
+    from facecrf_ocio.archive.work.one_bracket import merged  # noqa: PLC0415 - few runs merge
+
+    result, path = merged(task)
+    outputs = () if path is None else (_described(task.place.folder, path),)
+    return replace(result, outputs=outputs)
 
 
 def _is_poolable(photo: Photo) -> bool:

@@ -14,6 +14,7 @@ function drawBrackets() {
         ["Curve from exposures"],
         ["Off the camera's curve [%]", "number"],
         ["Curve"],
+        ["Merged"],
         ["Reason"],
         ["Filter"],
       ],
@@ -30,6 +31,11 @@ function drawBrackets() {
             "td",
             {},
             each.curve < 0 ? el("span", {class: "dim"}, "none") : plot(each.curve, 96, 72),
+          ),
+          el(
+            "td",
+            {},
+            each.merged ? link(DATA.links[1], each.merged, "EXR") : el("span", {class: "dim"}, "–"),
           ),
           el("td", {class: "reason"}, visible(each.reason)),
           el(

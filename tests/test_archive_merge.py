@@ -1,0 +1,153 @@
+"""`batch --merge`: each bracket of an archive becomes one image, once, beside its curve."""
+
+from __future__ import annotations
+
+import json
+import shutil
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813
+import pytest
+from archive_photos import ONE, everything, exposed, files, table, write_picture
+from command_line import CommandLine
+from photo_files import pixels_of
+
+from facecrf_ocio.archive.task import Recipe
+from facecrf_ocio.pair.code_samples import COLUMNS, ROWS
+
+HOW = ("--pool", "camera", "--merge", "--formats", "spi1d", "--jobs", "1")
+STOPS = (-2, -1, 0, 1, 2)
+
+
+def scene():
+    """(384, 512, 3) patches of one color each, over eight stops, in no order."""
+    ramp = np.geomspace(0.004, 1.0, ROWS * COLUMNS)
+    light = np.random.default_rng(2).permutation(ramp).reshape(ROWS, COLUMNS, 1)
+    patches = light * np.array([1.0, 0.9, 0.8])
+    return np.repeat(np.repeat(patches, 16, axis=0), 16, axis=1).astype(np.float32)
+
+
+def write_bracket(folder, stops=STOPS, name="ramp", first=0):
+    for number, stop in enumerate(stops):
+        light = scene() * np.float32(2.0**stop)
+        path = folder / f"{name}{number}.jpg"
+        write_picture(path, light, **ONE, **exposed(first + number, stop))
+
+
+def merges(output):
+    rows = table(output, "SELECT name, outcome, reason, file, exposures FROM merges")
+    return [(*told, json.loads(exposures)) for *told, exposures in rows]
+
+
+def test_merging_treats_no_photo_otherwise():
+    assert Recipe(merge=True).sha256("1") == Recipe().sha256("1")
+    assert Recipe.from_json(Recipe(merge=True).to_json()).merge
+
+
+def test_without_pooling_there_are_no_brackets_to_merge(capfd, tmp_path):
+    ended = CommandLine(capfd)("batch", tmp_path, "-o", tmp_path / "luts", "--merge")
+    assert ended.code == 2
+    assert "pass both" in ended.err
+
+
+@pytest.mark.slow
+def test_a_bracket_becomes_one_image_with_the_light_of_the_scene(capfd, tmp_path):
+    source, output = tmp_path / "photos", tmp_path / "luts"
+    write_bracket(source)
+    write_bracket(source, (0, 0.5), name="twice", first=30)
+    ended = CommandLine(capfd)("batch", source, "-o", output, *HOW)
+    assert ended.code == 0, ended.err
+    assert "brackets: 1 merged, 1 not merged" in ended.err
+    merged, twice = merges(output)
+    assert merged[:4] == ("ramp0.jpg", "merged", "", "ramp0.jpg.hdr.exr")
+    assert "0.5 stops, fewer than 1" in twice[2]
+    names, _, stops, moved = zip(*merged[4], strict=True)
+    assert names == tuple(f"ramp{n}.jpg" for n in range(5))
+    assert np.diff(stops) == pytest.approx(1.0, abs=0.05)
+    assert max(moved) < 0.01
+    linear = pixels_of(output / "ramp0.jpg.hdr.exr")
+    off = np.log2(np.maximum(linear, 1e-6) / scene()).mean(axis=2)[8::16, 8::16]
+    assert np.std(off) < 0.05  # eight stops come back, of which no photo shows all
+    spec = oiio.ImageBuf(str(output / "ramp0.jpg.hdr.exr")).spec()
+    assert spec["facecrf:estimator"] == "bracket"
+    assert "ramp4.jpg" in spec["facecrf:bracket"]
+    assert CommandLine(capfd)("verify", output).code == 0
+
+
+@pytest.mark.slow
+def test_merging_goes_on_where_it_was_broken_off_and_again_where_something_changed(capfd, tmp_path):
+    source, output, run = tmp_path / "photos", tmp_path / "luts", CommandLine(capfd)
+    write_bracket(source)
+    without = [part for part in HOW if part != "--merge"]
+    assert run("batch", source, "-o", output, *without).code == 0
+    assert merges(output) == []
+    before = files(output)
+    assert run("batch", source, "-o", output, *HOW).code == 0
+    file = output / "ramp0.jpg.hdr.exr"
+    done, content = everything(output), file.read_bytes()
+    assert {**before, file.name: content} == files(output)  # nothing else was written again
+    written = file.stat().st_mtime_ns
+    assert run("batch", source, "-o", output, *HOW).code == 0
+    assert file.stat().st_mtime_ns == written
+    assert everything(output) == done
+    file.unlink()
+    assert run("verify", output).code == 1
+    assert run("verify", output, "--repair").code == 0
+    assert (file.read_bytes(), everything(output)) == (content, done)
+    write_picture(source / "ramp4.jpg", scene()[:, ::-1], **ONE, **exposed(4, 2))
+    assert run("batch", source, "-o", output, *HOW).code == 0
+    ((*_, exposures),) = merges(output)
+    assert len(exposures) == 4  # what shows something else is none of them
+    assert file.read_bytes() != content
+
+
+@pytest.mark.slow
+def test_an_image_of_what_is_no_bracket_any_more_is_taken_away(capfd, tmp_path):
+    source, output, run = tmp_path / "photos", tmp_path / "luts", CommandLine(capfd)
+    write_bracket(source, (-2, 0, 2))
+    assert run("batch", source, "-o", output, *HOW).code == 0
+    assert (output / "ramp0.jpg.hdr.exr").exists()
+    for number in (1, 2):
+        other = np.roll(scene(), 64 * number, axis=1)
+        write_picture(source / f"ramp{number}.jpg", other, **ONE, **exposed(number, 0))
+    assert run("batch", source, "-o", output, *HOW).code == 0
+    assert not (output / "ramp0.jpg.hdr.exr").exists()
+    assert merges(output) == []
+    assert run("verify", output).code == 0
+
+
+@pytest.mark.slow
+def test_what_is_in_the_way_is_not_replaced(capfd, tmp_path):
+    source, output, run = tmp_path / "photos", tmp_path / "luts", CommandLine(capfd)
+    write_bracket(source, (-2, 0, 2))
+    output.mkdir()
+    (output / "ramp0.jpg.hdr.exr").write_bytes(b"mine")
+    ended = run("batch", source, "-o", output, *HOW)
+    assert ended.code == 3
+    assert "ramp0.jpg.hdr.exr: exists already; pass --overwrite" in ended.err
+    assert (output / "ramp0.jpg.hdr.exr").read_bytes() == b"mine"
+    assert run("batch", source, "-o", output, *HOW, "--overwrite").code == 0
+    assert (output / "ramp0.jpg.hdr.exr").stat().st_size > 1000
+
+
+@pytest.mark.slow
+def test_the_real_stacks_are_found_and_merged(capfd, tmp_path, development_data):
+    stacks = development_data / "stacks"
+    if not stacks.is_dir():
+        pytest.skip("the public stacks are not there")
+    source, output = tmp_path / "photos", tmp_path / "luts"
+    source.mkdir()
+    for number in (2, 8, 14, 20):
+        name = f"00{number:02d}.jpg"
+        shutil.copy(stacks / "canon_5d_corridor" / name, source / name)
+    for photo in sorted((stacks / "canon_s45").glob("*.jpg")):
+        shutil.copy(photo, source / photo.name)
+    ended = CommandLine(capfd)("batch", source, "-o", output, *HOW)
+    assert ended.code == 0, ended.err
+    rows = merges(output)
+    found = {name: exposures for name, outcome, *_, exposures in rows if outcome == "merged"}
+    assert len(found) == 2
+    for name, exposures in found.items():
+        linear = pixels_of(output / f"{name}.hdr.exr")
+        assert linear.max() > 2.0
+        assert max(moved for *_, moved in exposures) < 0.05
