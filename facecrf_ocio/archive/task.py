@@ -11,7 +11,7 @@ from facecrf_ocio.archive.place import Place
 from facecrf_ocio.cameras.known_cameras import KnownCamera
 from facecrf_ocio.lut.format_table import default_formats
 from facecrf_ocio.photo.shot import Shot
-from facecrf_ocio.record.output_names import EXR, RECORD, output_name
+from facecrf_ocio.record.output_names import EXR, HDR, RECORD, output_name
 from facecrf_ocio.settings import VERDICTS, Settings
 from facecrf_ocio.values import Estimate
 
@@ -158,12 +158,10 @@ class Task:
     @property
     def planned(self) -> tuple[str, ...]:
         """Outputs relative to the place: a.jpg gets a.jpg.cube, so that a.png gets others."""
+        if self.step == MERGE:
+            return (output_name(self.name, HDR),)
         suffixes = [*self.recipe.formats, RECORD, *((EXR,) if self.recipe.exr else ())]
         return tuple(output_name(self.name, suffix) for suffix in suffixes)
-        if self.step == MERGE:
-            return (f"{self.name}.hdr.exr",)
-        suffixes = [*self.recipe.formats, "crf.json", *(("exr",) if self.recipe.exr else ())]
-        return tuple(f"{self.name}.{suffix}" for suffix in suffixes)
 
 
 @dataclass(frozen=True, slots=True)

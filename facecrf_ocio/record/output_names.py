@@ -13,6 +13,7 @@ RECORD = ".crf.json"
 PLOT = ".crf.png"
 PAGE = ".crf.html"
 EXR = ".exr"
+HDR = ".hdr.exr"  # of the bracket that begins with the photo
 
 
 def output_name(name: str, suffix: str) -> str:
