@@ -57,9 +57,9 @@ def merge(
     counts, and what moved is taken from the photo that shows most. 1 is that photo's white.
     """
     from facecrf_ocio.files.atomic import require_free
+    from facecrf_ocio.image.merged_exr import write_merged
     from facecrf_ocio.pair.bracket_pixels import with_stops
     from facecrf_ocio.pair.merge import refined_stops
-    from facecrf_ocio.pair.merged_exr import write_merged
 
     if output.suffix.lower() != ".exr":
         raise OutputError(f"{output}: is not named as OpenEXR; give it the suffix .exr")

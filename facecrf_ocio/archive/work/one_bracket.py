@@ -12,10 +12,10 @@ import numpy as np
 from facecrf_ocio.archive.task import MERGED, NOT_MERGED, Result, Series, Task
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.folders import make_folder
+from facecrf_ocio.image.merged_exr import write_merged
 from facecrf_ocio.pair.bracket_pixels import SmallBracket, small_bracket, with_stops
 from facecrf_ocio.pair.calibrate_bracket import calibrate_bracket
 from facecrf_ocio.pair.merge import refined_stops
-from facecrf_ocio.pair.merged_exr import write_merged
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.record.demand import Demand, demand
 from facecrf_ocio.values import Estimate, Photo
