@@ -600,6 +600,17 @@ class TestProgress:
         assert b"linearizing a.png" in shown
         assert printed.decode().splitlines()[-1] == "  a.exr"
 
+    @pytest.mark.parametrize("columns", [40, 70])
+    def test_a_line_breaks_between_words(self, tmp_path: Path, columns: int) -> None:
+        write_noise(tmp_path / "a.png")
+        _, shown = self.run(tmp_path, "linearize", "a.png", "-o", "a.exr", columns=columns)
+        told = shown.decode().replace("\r", "").partition("facecrf: ")[2]
+        lines = ("facecrf: " + told).rstrip().split("\n")
+        assert 2 <= len(lines) <= 8
+        assert max(map(len, lines)) <= columns
+        assert all(line.startswith("    ") for line in lines[1:])
+        assert "not calibrated: no face found; " in " ".join(line.strip() for line in lines)
+
     @pytest.mark.parametrize("columns", [40, 120])
     def test_a_bar_of_an_archive_fits_the_terminal(self, tmp_path: Path, columns: int) -> None:
         (tmp_path / "in").mkdir()

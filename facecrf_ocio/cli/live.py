@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from facecrf_ocio.cli.terminal import fitted
 from facecrf_ocio.files.plain_text import one_line
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ class Bar:
         """Print a line, above the bar if there is one."""
         if self._progress is not None:
             self._progress.stop()
-        click.echo(line, err=err)
+        click.echo(fitted(line, sys.stderr) if err else line, err=err)
         if self._progress is not None:
             self._progress.start()
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import io
 import json
 import os
+import shutil
 import sys
+import textwrap
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
@@ -39,6 +41,8 @@ _CODES = {
     OutputError: FAILED,
     SettingsError: USAGE,
 }
+
+_NARROWEST = 30  # columns: below, words are longer than lines
 
 # Click's own ways out, and a reader of stdout that went away, which Click handles.
 PASSED_ON = (click.ClickException, click.exceptions.Exit, click.Abort, BrokenPipeError)
@@ -85,8 +89,18 @@ def problem_of(error: Exception) -> str:
 
 def complain(message: str, code: int) -> int:
     """Print one line on stderr and return the code."""
-    click.echo(f"facecrf: {one_line(message)}", err=True)
+    click.echo(fitted(f"facecrf: {one_line(message)}", sys.stderr), err=True)
     return code
+
+
+def fitted(line: str, stream: TextIO) -> str:
+    """Break a line between words where a terminal would within one; elsewhere it stays a line."""
+    if not stream.isatty():
+        return line
+    width = max(shutil.get_terminal_size().columns, _NARROWEST)
+    return textwrap.fill(
+        line, width, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+    )
 
 
 def speak_any_name() -> None:
@@ -132,12 +146,13 @@ def tell(
         code = complain(message, NOTHING)
     elif not as_json:
         outcome = f"{estimate.outcome} ({verdict})" if verdict else str(estimate.outcome)
-        click.echo(one_line(f"{path}: {outcome}: {sentence(estimate, COMMAND_LINE)}"))
+        line = one_line(f"{path}: {outcome}: {sentence(estimate, COMMAND_LINE)}")
+        click.echo(fitted(line, sys.stdout))
         for note in notes:
-            click.echo(one_line(f"  note: {note}"))
+            click.echo(fitted(one_line(f"  note: {note}"), sys.stdout))
         if verbose:
             for line in details(estimate):
-                click.echo(one_line(f"  {line}"))
+                click.echo(fitted(one_line(f"  {line}"), sys.stdout))
         for file in written:
             click.echo(one_line(f"  {file}"))
     if as_json:
