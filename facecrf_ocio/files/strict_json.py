@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NoReturn
 
 import numpy as np
@@ -13,7 +13,9 @@ import numpy as np
 # A number beyond 1e308 has an exponent of three digits, or more digits than that. Asking Python for
 # each of thousands of others takes longer than all the rest of reading. What follows a number tells
 # it from the digits of a hash.
-_MAY_OVERFLOW = re.compile(rb'[eE][+]?\d{3,}(?![\w"])|(?<!\d)\d{300}')
+_LONG_EXPONENT = re.compile(rb'[eE][+]?\d{3,}(?![\w"])')
+_ZEROS = bytes.maketrans(b"123456789", b"000000000")  # makes all digits alike
+_MOST_DIGITS = 300  # eight fewer than the largest double has
 
 
 def dump(record: Mapping[str, object]) -> bytes:
@@ -24,8 +26,14 @@ def dump(record: Mapping[str, object]) -> bytes:
 
 def load(content: bytes) -> Any:
     """Read what `dump` wrote, or raise ValueError."""
-    checked = _finite if _MAY_OVERFLOW.search(content) else float
+    checked = _finite if _may_overflow(content) else float
     return json.loads(content.decode("utf-8"), parse_constant=_refuse, parse_float=checked)
+
+
+def _may_overflow(content: bytes) -> bool:
+    # Not one pattern: `re` finds a letter fast, and takes every digit for the first of 300.
+    long = _MOST_DIGITS * b"0" in content.translate(_ZEROS)
+    return long or _LONG_EXPONENT.search(content) is not None
 
 
 def _finite(text: str) -> float:
@@ -50,10 +58,19 @@ def _plain(value: object) -> object:
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return _plain_items(value)
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
+
+
+def _plain_items(values: Sequence[object]) -> list[object]:
+    kinds = set(map(type, values))  # rows of thousands of numbers, most of them
+    if kinds <= {int, str}:
+        return list(values)
+    if kinds == {float}:
+        return [item if math.isfinite(item) else None for item in values]  # type: ignore[arg-type]
+    return [_plain(item) for item in values]
 
 
 def _layout(value: object, indent: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -44,6 +45,7 @@ class Expectation:
         return {**asdict(self), "verdict": self.verdict.value}
 
 
+@lru_cache(maxsize=8)  # several sentences are made of one estimate, in several threads
 def expectation(estimate: Estimate) -> Expectation | None:
     """Return what to expect of an estimate; None where it has no curve."""
     confidence = estimate.confidence
