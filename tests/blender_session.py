@@ -92,7 +92,9 @@ bpy.ops.wm.save_as_mainfile(filepath=str(work / "saved.blend"))
 chosen.estimator = "srgb"
 # A second photo, a packed one, and one painted in Blender.
 bpy.ops.facecrf.linearize_photo(image=photo.name)
-said["places"] = [list(n.location) for n in tree().nodes if n.bl_idname == "CompositorNodeImage"]
+framed = [node for node in tree().nodes if node.bl_idname == "CompositorNodeImage"]
+said["places"] = [node.location.y + node.parent.location.y for node in framed]
+said["frames"] = [[n.parent.label, n.bl_idname] for n in tree().nodes if n.parent is not None]
 packed = bpy.data.images.load(str(portrait), check_existing=False)
 packed.name = "packed"
 packed.pack()

@@ -122,8 +122,10 @@ def test_the_image_keeps_its_color_space_since_others_may_use_it(session):
 
 
 def test_nodes_of_a_second_photo_stand_below_the_first_one_s(session):
-    (_, first), (_, second) = session[1]["places"]
+    first, second = session[1]["places"]
     assert second <= first - 300
+    kinds = ["CompositorNodeImage", "CompositorNodeGroup"]
+    assert session[1]["frames"] == [["portrait.png", kind] for kind in kinds] * 2
 
 
 def test_packed_and_painted_images_need_no_file(session):

@@ -22,6 +22,7 @@ from .operators import (
 from .preferences import FacecrfPreferences
 from .trees import is_ours
 
+_READ = ("FILE", "GENERATED")
 _MENUS = {
     "NODE_MT_compositor_node_add_all": COMPOSITOR,
     "NODE_MT_shader_node_add_all": SHADER,
@@ -41,11 +42,12 @@ class FACECRF_PT_panel(bpy.types.Panel):
     def draw(self, context):
         self.layout.operator_context = "INVOKE_DEFAULT"
         kind = context.space_data.tree_type
-        self.layout.label(text="Add an image, linearized:")
-        for image in bpy.data.images:
-            if image.source in ("FILE", "GENERATED") and CODES_OF not in image:
-                row = self.layout.operator("facecrf.linearize_photo", text=image.name)
-                row.image, row.tree = image.name, kind
+        images = [i for i in bpy.data.images if i.source in _READ and CODES_OF not in i]
+        told = "Add an image, linearized:" if images else "Open a photo in the Image Editor first."
+        self.layout.label(text=told)
+        for image in images:
+            row = self.layout.operator("facecrf.linearize_photo", text=image.name)
+            row.image, row.tree = image.name, kind
         self.layout.operator("facecrf.linearize_folder")
         node = context.active_node
         if is_ours(node):

@@ -11,7 +11,8 @@ import bpy
 
 from .color_space import CODES_OF, SPACE, codes_of, linear_image
 from .command import CommandError, calibrate, find_command, linearize
-from .curve_group import COMPOSITOR, SHADER, fill
+from .curve_group import COMPOSITOR, PHOTO, SHADER, fill
+from .layout import rename, show
 from .photo_file import photo_file
 from .preferences import preferences
 from .trees import add_nodes, linked_image_node, tree_of
@@ -62,6 +63,7 @@ class FACECRF_OT_linearize_photo(_OneImage, bpy.types.Operator):
         tree = tree_of(context, self.tree)
         found = yield from self.calibrated(context, image)
         add_nodes(tree, image, found)
+        show(context, tree)
         self.tell(image, found)
 
 
@@ -84,7 +86,9 @@ class FACECRF_OT_calibrate_node(_OneImage, bpy.types.Operator):
         image = source.image
         found = yield from self.calibrated(context, image)
         source.image = codes_of(image)
-        fill(node.node_tree, image.get(CODES_OF, image.name), found)
+        name = image.get(CODES_OF, image.name)
+        rename(node, node.node_tree[PHOTO], name)
+        fill(node.node_tree, name, found)
         self.tell(image, found)
 
 

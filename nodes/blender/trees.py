@@ -7,6 +7,7 @@ import bpy
 from .color_space import codes_of
 from .command import CommandError
 from .curve_group import COMPOSITOR, SHADER, VERDICT, new_curve_group
+from .layout import frame, free_height
 
 _IMAGE_NODES = {
     COMPOSITOR: ("CompositorNodeImage",),
@@ -15,7 +16,6 @@ _IMAGE_NODES = {
 _GROUP_NODES = {COMPOSITOR: "CompositorNodeGroup", SHADER: "ShaderNodeGroup"}
 GROUPS = bpy.app.version >= (5, 0, 0)
 """Whether a scene's compositor is a node group, as from Blender 5.0 on."""
-_APART = 80  # between the nodes of two photos, in the units of node locations
 
 
 def tree_of(context, kind: str):
@@ -52,9 +52,9 @@ def _material(context):
 
 
 def add_nodes(tree, image, calibration):
-    """Add an image node and a Linearize Photo node below what is there; return the latter."""
+    """Add an image node and a Linearize Photo node, in a frame below what is there; return it."""
     kind = tree.bl_idname
-    top = _free_height(tree)
+    top = free_height(tree)
     source = tree.nodes.new(_IMAGE_NODES[kind][0])
     source.image = codes_of(image)
     node = tree.nodes.new(_GROUP_NODES[kind])
@@ -63,25 +63,17 @@ def add_nodes(tree, image, calibration):
     source.location, node.location = (0, top), (300, top)
     tree.links.new(source.outputs[0], node.inputs["Image"])
     if kind == COMPOSITOR:
-        _link_output(tree, node)
-    for other in tree.nodes:
-        other.select = other in (source, node)
-    tree.nodes.active = node
+        _link_output(tree, node, top)
+    frame(tree, image.name, (source, node))
     return node
 
 
-def _free_height(tree):
-    """Below every node; heights are known once drawn, before that they are guessed generously."""
-    lowest = [node.location.y - max(node.dimensions.y, node.height, 300) for node in tree.nodes]
-    return min(lowest) - _APART if lowest else 0
-
-
-def _link_output(tree, node):
+def _link_output(tree, node, top):
     name = "NodeGroupOutput" if GROUPS else "CompositorNodeComposite"
     leave = next((n for n in tree.nodes if n.bl_idname == name), None)
     if leave is None:
         leave = tree.nodes.new(name)
-        leave.location = (600, node.location.y)
+        leave.location = (600, top)
     if leave.inputs and not leave.inputs[0].is_linked:
         tree.links.new(node.outputs["Image"], leave.inputs[0])
 
