@@ -258,6 +258,10 @@ def test_the_page_of_one_photo_holds_its_pictures_and_links_its_files(facecrf, a
     names = [name.replace("*", "film.jpg") for name in shown.word("files", 0).splitlines()]
     assert names == ["film.jpg.spi1d", "film.jpg.crf.json"]
     assert shown.data["links"] == ["photos", "luts"]
+    (archive / "film.jpg.exr").touch()
+    assert facecrf("show", photo, "--record", record, "-o", page).code == 0
+    assert "*.exr" in Scripts(page.read_bytes()).word("files", 0).splitlines()
+    (archive / "film.jpg.exr").unlink()
     assert facecrf("show", photo, "--record", record, "-o", page).code == 0  # replaces its own
     other = facecrf("show", archive.parent / "photos" / ODD, "--record", record, "-o", page)
     assert other.code == 2
@@ -688,6 +692,9 @@ def test_the_page_of_one_photo_has_no_barriers(window, tmp_path, width, facecrf)
     try:
         window.get((tmp_path / "a.html").as_uri())
         assert "prior only" in window.find_element("css selector", ".says").text
+        typed = [each.text for each in window.find_elements("css selector", ".steps code")]
+        assert "facecrf linearize" in typed
+        assert "`" not in window.find_element("css selector", "body").text
         assert window.execute_script("return document.documentElement.scrollWidth") == width
         assert Axe().run(window)["violations"] == []
     finally:

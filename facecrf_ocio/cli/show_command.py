@@ -11,7 +11,7 @@ from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import PHOTO_PATH, TEXT_PATH, Choices, estimation_options
 from facecrf_ocio.cli.terminal import ending_well, tell
 from facecrf_ocio.errors import SettingsError
-from facecrf_ocio.record.output_names import PAGE, output_path
+from facecrf_ocio.record.output_names import EXR, PAGE, output_path
 
 if TYPE_CHECKING:
     from facecrf_ocio.values import Estimate, Photo
@@ -69,4 +69,5 @@ def _recorded(path: Path, record: Path) -> tuple[Photo, Estimate, tuple[Path, ..
             "or leave out --record"
         )
     beside = [record.parent / name for name in sidecar.luts]
-    return photo, sidecar.estimate, (*(lut for lut in beside if lut.is_file()), record)
+    beside.append(output_path(record.parent, path, EXR))
+    return photo, sidecar.estimate, (*(made for made in beside if made.is_file()), record)

@@ -51,7 +51,7 @@ function curves(row) {
 }
 function says(row) {
   const text = visible(word("sentence", row) || word("reason", row));
-  return el("p", {class: "says"}, verdict(C.kind[row]), text ? `: ${text}.` : "");
+  return el("p", {class: "says"}, verdict(C.kind[row]), ...(text ? typed(`: ${text}.`) : []));
 }
 function detail(row) {
   const why = whyNoPicture(row);

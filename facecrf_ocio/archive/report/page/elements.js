@@ -36,6 +36,8 @@ const el = (tag, attributes, ...children) =>
   fill(document.createElement(tag), attributes, children);
 const svg = (tag, attributes, ...children) =>
   fill(document.createElementNS("http://www.w3.org/2000/svg", tag), attributes, children);
+// Text of ours, in which what a user types stands between backticks.
+const typed = (text) => text.split("`").map((part, i) => (i % 2 ? el("code", {}, part) : part));
 // A table's row whose cells know their headings, which a phone shows beside them.
 function titled(row, titles) {
   [...row.children].forEach((cell, i) => cell.setAttribute("data-title", titles[i]));

@@ -31,7 +31,6 @@ function nextSteps(row) {
   const remedy = visible(word("remedy", row));
   const steps = lines("steps", row).map(visible);
   if (!steps.length && remedy) steps.push(`${remedy[0].toUpperCase()}${remedy.slice(1)}.`);
-  return steps.length
-    ? headed("Next", el("ul", {class: "steps"}, ...steps.map((step) => el("li", {}, step))))
-    : null;
+  const items = steps.map((step) => el("li", {}, ...typed(step)));
+  return items.length ? headed("Next", el("ul", {class: "steps"}, ...items)) : null;
 }

@@ -63,10 +63,10 @@ function marks(row) {
 }
 function reasonNodes(row) {
   const [line, remedy] = [visible(word("line", row)), visible(word("remedy", row))];
-  if (line) return [line];
+  if (line) return typed(line);
   return [
     visible(word("reason", row)),
-    remedy ? el("span", {class: "remedy"}, `; ${remedy}`) : null,
+    remedy ? el("span", {class: "remedy"}, ...typed(`; ${remedy}`)) : null,
   ];
 }
 function tableRow(row, position) {
