@@ -81,6 +81,21 @@ def test_curve_and_matrix_come_back():
     assert found.estimate.confidence.verdict is Verdict.RELIABLE
 
 
+@pytest.mark.parametrize("tint", [(0.9, 0.5, 0.3), (0.35, 0.6, 0.4)])
+def test_equal_curves_stay_equal_where_no_channel_reaches_white(tint):
+    """Gains are free, so it is the way to white that decides whether grays keep a cast."""
+    linear = scene(8) * tint
+    equal = np.tile(0.15 * GRID + 0.85 * GRID**2.6, (3, 1))
+    encoded = develop(linear, equal, np.eye(3))
+    assert np.quantile(encoded, 0.99, axis=(0, 1)).max() < 0.95
+    found = calibrate_pair(linear_photo(linear), stored(encoded)).estimate.curve
+    stops = np.log2(np.array([np.interp(np.arange(64, 192) / 255, GRID, row) for row in equal]))
+    own = [np.interp(np.arange(64, 192) / 255, found.encoded, row) for row in found.linear]
+    away = np.log2(own) - stops
+    assert np.ptp(away.mean(axis=1)) < 0.03
+    assert np.abs(away - away.mean()).max() < 0.05
+
+
 def test_crop_turn_and_size_are_undone():
     linear = scene(1)
     cut = develop(linear)[24:400, 40:530]

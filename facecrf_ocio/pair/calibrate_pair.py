@@ -8,6 +8,7 @@ import numpy as np
 
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.pair.align import MIN_CORRELATION, Aligned, align
+from facecrf_ocio.pair.continue_alike import SEEN, continued_alike
 from facecrf_ocio.pair.extrapolate import continued
 from facecrf_ocio.pair.fit_channel import ChannelFit, fit_channel
 from facecrf_ocio.pair.flat_pixels import Samples, choose_samples
@@ -87,7 +88,7 @@ def calibrate_pair(
         )
     samples = choose_samples(aligned)
     _check_samples(encoded, samples)
-    fits = [_fit(samples[c], c, model) for c in range(3)]
+    fits = continued_alike([_fit(samples[c], c, model) for c in range(3)], samples, model)
     red, green, blue = (fit.residual_codes for fit in fits)
     worst = max(red, green, blue)
     if worst > MAX_RESIDUAL_CODES:
@@ -111,7 +112,7 @@ def calibrate_pair(
 def _fit(samples: Samples, channel: int, model: ResponseModel) -> ChannelFit:
     """Fit twice, the second time with a typical curve that resembles what the first has found."""
     first = fit_channel(samples, channel, model.mean, model.grid.size)
-    low, high = np.quantile(samples.encoded, [0.01, 0.99])
+    low, high = np.quantile(samples.encoded, SEEN)
     seen = (model.grid >= low) & (model.grid <= high)
     return fit_channel(samples, channel, continued(first.linear, seen, model), CURVE_SIZE)
 
