@@ -204,6 +204,17 @@ def test_other_commands_complain_alike(
     assert names_in(tmp_path) == {"a.jpg"}
 
 
+@pytest.mark.parametrize("command", ["calibrate", "linearize", "show"])
+def test_a_folder_is_for_another_command(
+    facecrf: CommandLine, tmp_path: Path, command: str
+) -> None:
+    way = () if command == "show" else ("-o", tmp_path / "out")
+    ended = facecrf(command, tmp_path, *way)
+    assert ended.code == UNREADABLE
+    told = "is a folder; name a photo inside of it, or take all of it: facecrf batch\n"
+    assert ended.err == f"facecrf: {tmp_path}: {told}"
+
+
 def test_linearize_without_a_face(facecrf: CommandLine, tmp_path: Path) -> None:
     photo = write_noise(tmp_path / "a.png")
     ended = facecrf("linearize", photo, "-o", tmp_path / "a.exr")

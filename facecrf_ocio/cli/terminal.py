@@ -78,6 +78,8 @@ def problem_of(error: Exception) -> str:
     """
     if isinstance(error, ExistsError):
         return error.on_command_line()
+    if isinstance(error, PhotoError) and error.path is not None and error.path.is_dir():
+        return f"{error}, or take all of it: facecrf batch"
     if isinstance(error, FaceCRFError):
         return str(error)
     if isinstance(error, MemoryError):
