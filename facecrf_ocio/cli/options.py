@@ -140,12 +140,15 @@ class Choices:
         from facecrf_ocio.files.versions import versions
 
         if self.estimator in JOINT_NAMES:
+            import numpy.random  # noqa: F401 - NumPy imports it when it is first asked for
+
             from facecrf_ocio import calibrate as calibrate  # noqa: PLC0414 - loads its module
+            from facecrf_ocio.cameras.known_cameras import shipped_cameras
             from facecrf_ocio.face.landmarks import landmark_network
             from facecrf_ocio.face.yunet import yunet_detector
             from facecrf_ocio.joint import shipped_joint
 
-            for load in (shipped_joint, landmark_network, yunet_detector):
+            for load in (shipped_joint, landmark_network, yunet_detector, shipped_cameras):
                 load()
         versions()
 

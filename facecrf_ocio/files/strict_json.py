@@ -15,7 +15,7 @@ import numpy as np
 # it from the digits of a hash.
 _LONG_EXPONENT = re.compile(rb'[eE][+]?\d{3,}(?![\w"])')
 _ZEROS = bytes.maketrans(b"123456789", b"000000000")  # makes all digits alike
-_MOST_DIGITS = 300  # eight fewer than the largest double has
+_MOST_DIGITS = 300  # of a number; the largest double has 309
 
 
 def dump(record: Mapping[str, object]) -> bytes:
