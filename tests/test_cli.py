@@ -196,6 +196,14 @@ class TestCalibrate:
         with Image.open(out / "a.png.crf.png") as picture:
             assert picture.format == "PNG"
 
+    @pytest.mark.slow
+    def test_what_matplotlib_logs_stays_off_the_terminal(self, photo: Path, out: Path) -> None:
+        """Of a cache folder that it cannot have, and of fonts that it looks for in a new one."""
+        command = [sys.executable, "-c", CODE, "calibrate", photo, "-o", out, "--plot", *BLIND]
+        environment = {**os.environ, "MPLCONFIGDIR": str(photo / "none")}
+        ended = subprocess.run(command, env=environment, capture_output=True, check=True)
+        assert ended.stderr == b""
+
     def test_plot_beside_a_png_photo_leaves_it_alone(
         self, facecrf: CommandLine, photo: Path, tmp_path: Path
     ) -> None:

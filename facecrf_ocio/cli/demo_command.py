@@ -8,7 +8,7 @@ import click
 
 from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import TEXT_PATH
-from facecrf_ocio.cli.terminal import ending_well, require_writable, tell
+from facecrf_ocio.cli.terminal import ending_well, hush_matplotlib, require_writable, tell
 
 
 @click.command()
@@ -24,6 +24,7 @@ from facecrf_ocio.cli.terminal import ending_well, require_writable, tell
 @ending_well
 def demo(output: Path) -> int:
     """Calibrate and linearize a portrait that comes with matplotlib (public domain)."""
+    hush_matplotlib()
     from facecrf_ocio.cli.portrait_demo import run_demo
 
     require_writable(output)

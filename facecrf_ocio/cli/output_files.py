@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from facecrf_ocio.cli.options import TEXT_PATH, direction_options
+from facecrf_ocio.cli.terminal import hush_matplotlib
 from facecrf_ocio.lut.format_table import default_formats, format_names
 from facecrf_ocio.record.output_names import PLOT, output_path
 
@@ -121,6 +122,7 @@ class OutputFiles:
 
         also = []
         if self.plot:
+            hush_matplotlib()
             from facecrf_ocio.plots.calibration_plot import plot_draft
 
             also.append(plot_draft(self._picture(path), photo, estimate, settings))

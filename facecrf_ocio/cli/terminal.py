@@ -111,6 +111,16 @@ def speak_any_name() -> None:
         sys.stdout.reconfigure(errors="backslashreplace")
 
 
+def hush_matplotlib() -> None:
+    """Keep off the terminal what matplotlib logs of its font cache and folder; errors are raised.
+
+    Not where it is imported, since what it logs in a program of others is theirs to choose.
+    """
+    import logging
+
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
+
+
 def require_writable(folder: Path) -> None:
     """Raise OutputError unless the folder, or the nearest above it that exists, can be written.
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from facecrf_ocio.cli.bench.bench_terminal import PATH
-from facecrf_ocio.cli.terminal import DONE, ending_well, one_line, require_writable
+from facecrf_ocio.cli.terminal import DONE, ending_well, hush_matplotlib, one_line, require_writable
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.settings import Settings
 
@@ -37,6 +37,7 @@ def figures(
     Figure 7 needs --faces and --curves; its photos are encoded with so many of the curves in turn.
     An earlier run's figures are replaced.
     """
+    hush_matplotlib()
     from facecrf_ocio.benchmark.cases import choose_estimators
     from facecrf_ocio.benchmark.energy_profiles import (
         analyzed_example,
