@@ -24,6 +24,7 @@ from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.record.sidecar import read_sidecar
 from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import dorf_model
+from facecrf_ocio.response.stops import stops_error, uniform
 from facecrf_ocio.values import Photo, Verdict
 
 GRID = np.linspace(0.0, 1.0, 1024)
@@ -251,3 +252,20 @@ def test_real_pair_of_a_raw_development(development_data):
     rec2020 = [[1.6605, -0.5876, -0.0728], [-0.1246, 1.1329, -0.0083], [-0.0182, -0.1006, 1.1187]]
     row_scale = found.matrix.sum(axis=1, keepdims=True)
     assert np.abs(found.matrix / row_scale - rec2020).max() < 0.02
+
+
+@pytest.mark.parametrize(("gain", "most"), [(1.0, 0.02), (0.35, 0.12)])
+def test_what_is_told_is_what_the_curve_errs_by(gain, most):
+    """White out of sight widens the band, and the shape in stops as far as codes are out of it."""
+    linear = scene(9) * gain
+    equal = np.tile(0.15 * GRID + 0.85 * GRID**2.6, (3, 1))
+    estimate = calibrate_pair(
+        linear_photo(linear), stored(develop(linear, equal, np.eye(3)))
+    ).estimate
+    error = stops_error(uniform(estimate.curve), equal)
+    told = estimate.confidence.in_stops
+    assert error.mid < 3.0 * told.mid
+    assert told.mid < most
+    truth = np.array([np.interp(estimate.curve.encoded, GRID, row) for row in equal])
+    away = np.abs(estimate.curve.linear - truth)
+    assert (away <= 1.645 * estimate.confidence.sigma + 1e-4).mean() > 0.9

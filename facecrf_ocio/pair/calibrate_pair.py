@@ -12,28 +12,21 @@ from facecrf_ocio.pair.continue_alike import SEEN, continued_alike
 from facecrf_ocio.pair.extrapolate import continued
 from facecrf_ocio.pair.fit_channel import ChannelFit, fit_channel
 from facecrf_ocio.pair.flat_pixels import Samples, choose_samples
-from facecrf_ocio.response.coverage import COVERAGE_BINS, coverage_at
-from facecrf_ocio.response.expected_stops import expected_of_sigma
-from facecrf_ocio.response.fixed import prior_confidence
+from facecrf_ocio.pair.pair_confidence import pair_confidence
 from facecrf_ocio.response.model import CURVE_SIZE, ResponseModel, dorf_model, strictly_increasing
 from facecrf_ocio.values import (
     CHANNELS,
-    Confidence,
     Estimate,
     Float,
     InverseCRF,
     Outcome,
     Photo,
-    Verdict,
 )
 
 MIN_SAMPLES = 300  # [px] eight for each unknown of a channel's fit
 MIN_SPAN = 0.25
 """Codes that the samples must span to tell of a curve."""
 MAX_RESIDUAL_CODES = 12.0  # [8-bit code] beyond which one curve does not explain the pair
-RELIABLE_RESIDUAL_CODES = 3.0  # [8-bit code] up to which it does so within noise and compression
-RELIABLE_SPAN = 0.75  # [encoded] that samples must cover, or much of the curve is continued
-_MIN_PER_BIN = 10  # samples that make a bin one that is seen
 _ANOTHER = "give the two pictures of one exposure, neither of them retouched"
 
 
@@ -103,7 +96,7 @@ def calibrate_pair(
         f"fitted to {sum(len(s.encoded) for s in samples)} samples of a linear picture, "
         f"residual R {red:.1f} G {green:.1f} B {blue:.1f} codes of 255",
         found=found,
-        confidence=_confidence(samples, fits, model, found),
+        confidence=pair_confidence(samples, fits, found),
         assumptions=_assumptions(encoded, matrix),
     )
     return PairEstimate(estimate, matrix, (red, green, blue), aligned)
@@ -147,56 +140,6 @@ def _check_samples(encoded: Photo, samples: tuple[Samples, Samples, Samples]) ->
 def _mismatch(linear: Photo, encoded: Photo, evidence: str) -> PhotoError:
     name = "the linear one" if linear.path is None else linear.path.name
     return PhotoError(encoded.path, f"is not the picture that {name} shows ({evidence})", _ANOTHER)
-
-
-def _confidence(
-    samples: tuple[Samples, Samples, Samples],
-    fits: list[ChannelFit],
-    model: ResponseModel,
-    found: InverseCRF,
-) -> Confidence:
-    """The spread of the residual where there are samples, that of the prior where there are none.
-
-    A fit over hundreds of samples is surer than one of them; but what a pair gets wrong is mostly
-    not noise: local tone mapping, vignetting, saturation. These show in the residual.
-    """
-    prior = prior_confidence(model, "").sigma
-    codes = np.linspace(0.0, 1.0, CURVE_SIZE)
-    sigma, coverage = np.empty_like(prior), np.empty_like(prior)
-    for channel, (chosen, fit) in enumerate(zip(samples, fits, strict=True)):
-        centers, spreads, counts = _spreads(chosen.encoded, fit.residual)
-        coverage[channel] = coverage_at(codes, counts)
-        seen = counts >= _MIN_PER_BIN
-        near = np.interp(codes, centers, np.asarray(seen, float))
-        measured = np.interp(codes, centers[seen], spreads[seen])
-        sigma[channel] = near * measured + (1 - near) * np.maximum(prior[channel], measured)
-    sigma[:, [0, -1]] = 0.0
-    low = max(float(s.encoded.min()) for s in samples)
-    high = min(float(s.encoded.max()) for s in samples)
-    worst = max(fit.residual_codes for fit in fits)
-    reliable = worst <= RELIABLE_RESIDUAL_CODES and high - low >= RELIABLE_SPAN
-    return Confidence(
-        sigma,
-        coverage,
-        Verdict.RELIABLE if reliable else Verdict.WEAK,
-        (
-            "the band is the residual of the fit to the linear picture",
-            f"the samples lie between the encoded values {low:.2f} and {high:.2f}; beyond them the "
-            "curve keeps the shape of a typical one",
-        ),
-        expected_of_sigma(found, sigma),
-    )
-
-
-def _spreads(encoded: Float, residual: Float) -> tuple[Float, Float, Float]:
-    """Centers, robust standard deviations and counts of the ranges of codes of coverage."""
-    size = COVERAGE_BINS
-    bins = np.clip((encoded * size).astype(np.intp), 0, size - 1)
-    counts = np.bincount(bins, minlength=size).astype(np.float64)
-    spreads = np.array(
-        [1.4826 * np.median(np.abs(residual[bins == b])) if counts[b] else 0 for b in range(size)]
-    )
-    return (np.arange(size) + 0.5) / size, spreads, counts
 
 
 def _assumptions(encoded: Photo, matrix: Float) -> tuple[str, ...]:
