@@ -33,7 +33,7 @@ Transform = Callable[[Float32, Pixels], None]
 
 HALF_MAX = 65504.0  # largest finite half float
 _RGB = (0, 1, 2)  # channels
-_BAND = 1 << 17  # [pixel] a band's float32 colors, 1.5 MB, stay in a core's cache
+_BAND = 1 << 19  # [pixel] 6 MB of float32 colors; a call for fewer costs more than the cache spares
 _MAXIMA = {np.dtype(np.uint8): 255, np.dtype(np.uint16): 65535}  # codes of white
 
 
@@ -225,7 +225,8 @@ def curve_lookup(curve: InverseCRF) -> Lookup:
     """Return what `curve.linearize` does; NaN become 0, as in OpenColorIO."""
 
     def transform(values: Float32, out: Pixels) -> None:
-        out[...] = curve.linearize(np.nan_to_num(values, nan=0.0, posinf=1.0, neginf=0.0))
+        # Beyond the curve's ends lies what is at them; `linearize` takes that for undivided codes.
+        out[...] = curve.linearize(np.clip(np.nan_to_num(values, nan=0.0), 0.0, 1.0))
 
     return Lookup(transform)
 
