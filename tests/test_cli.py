@@ -628,6 +628,7 @@ class TestProgress:
         command = ("batch", "in", "-o", "out", *options)
         _, shown = self.run(tmp_path, *command, columns=columns)
         assert "3 of 3 photos" in shown.decode()
+        assert shown.decode().rstrip().endswith("to look at it: facecrf report out")
         assert 0 < self.widest_bar(shown) <= columns
         printed, shown = self.run(tmp_path, "report", "out", columns=columns)
         assert b"3 photos" in printed

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import shlex
+import sys
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -27,6 +29,7 @@ from facecrf_ocio.cli.terminal import (
     UNREADABLE,
     complain,
     ending_well,
+    one_line,
     tell_json,
 )
 from facecrf_ocio.errors import LutError
@@ -142,6 +145,9 @@ def batch(
             run(job, photos, progress)
         if table is not None:
             write_list(job.folder, table)
+        if sys.stderr.isatty():
+            next_step = f"facecrf report {shlex.quote(str(output))}"
+            click.echo(one_line(f"  to look at it: {next_step}"), err=True)
     except KeyboardInterrupt:
         return complain("interrupted; run the same command again to go on", INTERRUPTED)
     except OSError as error:
