@@ -7,11 +7,11 @@ import io
 import cv2
 import numpy as np
 import pytest
-from chart_photos import lit_chart, shot
 from command_line import CommandLine
 from face_photos import grace_hopper
 from PIL import Image
 
+from facecrf_ocio.benchmark.peers.drawn_chart import lit_chart, shot
 from facecrf_ocio.cameras.known_cameras import read_registry
 from facecrf_ocio.chart.calibrate_chart import calibrate_chart
 from facecrf_ocio.chart.find_chart import by_corners, can_find, find_chart, to_pixels

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
-from pathlib import Path
-
 import cv2
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813
@@ -13,6 +10,7 @@ from archive_photos import exposed, write_picture
 from command_line import CommandLine
 from photo_files import pixels_of
 
+from facecrf_ocio.benchmark.peers import merge_errors
 from facecrf_ocio.pair.bracket_pixels import small_bracket
 from facecrf_ocio.pair.merge import merge_bracket, refined_stops
 from facecrf_ocio.synthetic import encode, gamma_curve
@@ -194,10 +192,10 @@ def test_the_command_writes_a_tagged_exr(capfd, tmp_path):
 
 
 @pytest.mark.slow
-def test_the_table_of_merges_has_ghosts_for_peers_and_fewer_for_us(monkeypatch):
-    monkeypatch.syspath_prepend(str(Path(__file__).parents[1] / "examples"))
-    table = importlib.import_module("measure_merges")
-    monkeypatch.setattr(table, "SCENES", 1)
-    mine, theirs = table.measured(table.ours), table.measured(table.opencv("Robertson"))
+def test_the_table_of_merges_has_ghosts_for_peers_and_fewer_for_us():
+    mine, theirs = (
+        merge_errors.measured(one, 1)
+        for one in (merge_errors.ours, merge_errors.opencv("Robertson"))
+    )
     assert mine[0] < 1.1 * theirs[0]
     assert mine[4] < 0.3 * theirs[4]

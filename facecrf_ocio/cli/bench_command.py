@@ -11,6 +11,7 @@ from facecrf_ocio.cli.bench.bench_consistency import consistency
 from facecrf_ocio.cli.bench.bench_cues import cues
 from facecrf_ocio.cli.bench.bench_figures import figures
 from facecrf_ocio.cli.bench.bench_pairs import pairs
+from facecrf_ocio.cli.bench.bench_peers import peers
 from facecrf_ocio.cli.bench.bench_report import report
 from facecrf_ocio.cli.bench.bench_speed import speed
 from facecrf_ocio.cli.bench.bench_stress import stress
@@ -23,7 +24,19 @@ def bench() -> None:
 
 
 _COMMANDS = (
-    *(ablations, archive, consistency, cues, figures, pairs, report, speed, stress, synthetic),
+    *(
+        ablations,
+        archive,
+        consistency,
+        cues,
+        figures,
+        pairs,
+        peers,
+        report,
+        speed,
+        stress,
+        synthetic,
+    ),
     bench_cameras,
 )
 for _command in _COMMANDS:

@@ -3,15 +3,21 @@
 The objective is that of Debevec and Malik (SIGGRAPH 1997, eq. 3), with what real brackets need
 besides: the response is a spline, residuals count in units of what noise of one code does there
 and by Tukey's biweight, and the exposures may depart from the camera's grid.
+
+Where all steps are of two stops, light that is wrong in waves of two stops agrees with every pair
+of photos, so that smoothness decides. What is smooth is told by how known responses bend, code by
+code: a straight line in log light, which the paper asks for, is far from any of them near black.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from scipy.interpolate import BSpline
 
+from facecrf_ocio.response.model import dorf_model
 from facecrf_ocio.values import CHANNELS, Bool, Float, Index
 
 CODES = 256  # of 8 bits, to which all photos of a bracket are brought
@@ -24,7 +30,10 @@ _CODE_NOISE = 0.6  # [code value] of the mean of a small patch, with what JPEG d
 _FLOOR = 0.012  # [stop] what points differ by at best: flicker, shutters, rounding of JPEG's blocks
 _SHUTTER = 0.02  # [stop] standard deviation of one exposure from its place on the grid
 _EXACT = 1e4  # [1/stop] how firmly it is held that exposures are not stretched as a whole
-_BEND = 0.3  # [stop] standard deviation of a second difference of the spline's coefficients
+# Draws of the response model that tell how responses bend, the light below which they do not, and
+# a floor of the deviation [stop], for responses that the model never saw.
+_DRAWS, _LEAST_LIGHT, _LEAST_BEND = 400, 2.0**-12, 0.03
+_TOE = 4.0 / 255.0  # code below which responses are not looked at
 _LEAST_SLOPE = 0.2  # [stop / full range] while slopes turn codes into stops
 _FEWEST_SPREAD = 0.25  # of a residual: a perfect fit leaves no scale to judge by
 
@@ -163,15 +172,18 @@ def _normal(rows: list[Float], weights: Float, shots: int) -> Float:
 
 
 def _prior(stops: Float, smoothness: float) -> tuple[Float, Float]:
-    """Smooth splines, 0 in mid-range; exposures near those given, and not stretched as a whole."""
+    """Splines that bend as responses do, 0 in mid-range; exposures near those given."""
     size = len(CHANNELS) * _SIZE + len(stops)
     matrix, right = 1e-9 * np.eye(size), np.zeros(size)
-    second = np.diff(np.eye(_SIZE), 2, axis=0) / _BEND
+    second = np.diff(np.eye(_SIZE), 2, axis=0)
+    usual, deviation = _known_bends()
+    weight = smoothness / deviation**2
     middle = BSpline.design_matrix(np.array([0.5]), _knots(), _DEGREE).toarray()[0]
-    one = smoothness * second.T @ second + _EXACT**2 * np.outer(middle, middle)
+    one = second.T @ (weight[:, None] * second) + _EXACT**2 * np.outer(middle, middle)
     for channel in range(len(CHANNELS)):
         place = slice(channel * _SIZE, (channel + 1) * _SIZE)
         matrix[place, place] += one
+        right[place] = second.T @ (weight * usual)
     offset = stops - stops.mean()
     fixed = [np.ones(len(stops)), offset / max(float(np.linalg.norm(offset)), 1e-9)]
     precision = np.eye(len(stops)) / _SHUTTER**2
@@ -180,6 +192,26 @@ def _prior(stops: Float, smoothness: float) -> tuple[Float, Float]:
     matrix[last, last] += precision
     right[last] = precision @ stops
     return matrix, right
+
+
+@cache
+def _known_bends() -> tuple[Float, Float]:
+    """[stop] Median and deviation of the second differences of known responses' coefficients."""
+    model, random = dorf_model(), np.random.default_rng(0)
+    at = model.grid >= _TOE
+    basis = BSpline.design_matrix(model.grid[at], _knots(), _DEGREE).toarray()
+    drawn = []
+    for place in random.integers(len(model.mixture.means), size=_DRAWS):
+        mean, covariance = model.mixture.means[place], model.mixture.covariances[place]
+        sample = model.samples(
+            mean + np.linalg.cholesky(covariance) @ random.normal(size=mean.size)
+        )
+        drawn.append(np.log2(np.maximum.accumulate(np.maximum(sample, _LEAST_LIGHT)))[at])
+    coefficients = np.linalg.lstsq(basis, np.array(drawn).T, rcond=None)[0]
+    bends = np.diff(coefficients, 2, axis=0)
+    usual = np.median(bends, axis=1)
+    deviation = 1.4826 * np.median(np.abs(bends - usual[:, None]), axis=1)
+    return usual, np.maximum(deviation, _LEAST_BEND)
 
 
 def _spread(codes: Float, solution: Float, channel: int) -> Float:

@@ -1,23 +1,24 @@
 """Merges of synthetic brackets by this project, OpenCV and colour-hdri, in one table.
 
 Four exposures of a scene over nine stops, noise of a small sensor, 8 bits, the curve given to all;
-still, and with a ball that moves. `python examples/measure_merges.py` prints Markdown; peers that
-are not installed (`pip install colour-hdri`) are left out and named.
+still, and with a ball that moves.
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
+from facecrf_ocio.benchmark.peers.peer_table import MissingPeerError, peer
+from facecrf_ocio.color.srgb import decode_srgb
 from facecrf_ocio.pair.bracket_pixels import small_bracket
 from facecrf_ocio.pair.merge import merge_bracket
+from facecrf_ocio.response.model import dorf_model, inverse_crf
 from facecrf_ocio.synthetic import encode, gamma_curve
-from facecrf_ocio.values import Photo
+from facecrf_ocio.values import InverseCRF, Photo
 
 Image = npt.NDArray[np.float32]
 Merge = Callable[[list[Photo]], Image]
@@ -31,26 +32,30 @@ _READ, _PHOTON = 1e-5, 1e-4  # variance of light 0, and of each unit of light
 _RANGES = ((-6.0, -3.0), (-3.0, 0.0), (0.0, 3.0))  # [stop] dark, middle, bright
 
 
-def scene(seed: int) -> Image:
+def scene(seed: int, larger: int = 1) -> Image:
     """(H, W, 3) light from 1/64 to 8, and colors up to a stop from gray."""
     generator = np.random.default_rng(seed)
+    size = larger * _SIZE
 
     def soft(channels: int) -> Image:
         noise = generator.normal(size=(_SIZE, _SIZE, channels)).astype(np.float32)
-        noise = cv2.GaussianBlur(noise, (0, 0), _SOFT).reshape(_SIZE, _SIZE, channels)
+        blurred = np.asarray(cv2.GaussianBlur(noise, (0, 0), _SOFT), np.float32)
+        if larger > 1:
+            blurred = np.asarray(cv2.resize(blurred, (size, size)), np.float32)
+        noise = blurred.reshape(size, size, channels)
         return np.asarray((noise - noise.min()) / np.ptp(noise), np.float32)
 
     return np.asarray(np.exp2(9.0 * soft(1) - 6.0 + soft(3) - 0.5), np.float32)
 
 
-def shots(lights: list[Image], seed: int) -> list[Photo]:
+def shots(lights: list[Image], seed: int, curve: InverseCRF = CURVE) -> list[Photo]:
     """One photo of each light, at its exposure."""
     generator = np.random.default_rng(seed)
     photos = []
     for light, stop in zip(lights, STOPS, strict=True):
         exposed = light * 2.0**stop
         noise = generator.normal(size=light.shape) * np.sqrt(_READ + _PHOTON * exposed)
-        codes = np.rint(encode(np.clip(exposed + noise, 0, 1).astype(np.float32), CURVE) * 255)
+        codes = np.rint(encode(np.clip(exposed + noise, 0, 1).astype(np.float32), curve) * 255)
         photos.append(Photo(codes.astype(np.float32) / np.float32(255), bit_depth=8))
     return photos
 
@@ -83,20 +88,23 @@ def opencv(kind: str) -> Merge:
 
 def colour_hdri(photos: list[Photo]) -> Image:
     """colour-hdri's merge of photos that were linearized before, its default weights."""
-    from colour_hdri import (  # type: ignore[import-not-found,unused-ignore] # noqa: PLC0415
-        Image as Shot,
-    )
-    from colour_hdri import (  # noqa: PLC0415
-        ImageStack,
-        Metadata,
-        image_stack_to_HDRI,
-    )
-
-    stack = ImageStack()
+    hdri = peer("colour_hdri", "colour-hdri")
+    stack = hdri.ImageStack()
     for photo, stop in zip(photos, STOPS, strict=True):
-        told = Metadata(f_number=1.0, exposure_time=float(2.0**stop), iso=100.0)
-        stack.append(Shot(data=CURVE.linearize(photo.encoded).astype(np.float64), metadata=told))
-    return np.asarray(image_stack_to_HDRI(stack), np.float32)
+        told = hdri.Metadata(f_number=1.0, exposure_time=float(2.0**stop), iso=100.0)
+        linear = CURVE.linearize(photo.encoded).astype(np.float64)
+        stack.append(hdri.Image(data=linear, metadata=told))
+    return np.asarray(hdri.image_stack_to_HDRI(stack), np.float32)
+
+
+def one_photo(curve: InverseCRF) -> Merge:
+    """The middle exposure alone, by a curve."""
+
+    def merge(photos: list[Photo]) -> Image:
+        bracket = small_bracket(photos, STOPS)
+        return curve.linearize(photos[bracket.reference].encoded)
+
+    return merge
 
 
 def errors(made: Image, light: Image, where: npt.NDArray[np.bool_]) -> list[float]:
@@ -108,11 +116,11 @@ def errors(made: Image, light: Image, where: npt.NDArray[np.bool_]) -> list[floa
     return [float(np.sqrt((off[part] ** 2).mean())) for part in parts]
 
 
-def measured(merge: Merge) -> list[float]:
+def measured(merge: Merge, scenes: int = SCENES) -> list[float]:
     """The row of a merge: four errors of still scenes, and one of scenes with a moving ball."""
     rows = []
     everywhere = np.ones((_SIZE, _SIZE), np.bool_)
-    for seed in range(SCENES):
+    for seed in range(scenes):
         light = scene(seed)
         still = errors(merge(shots([light] * len(STOPS), seed)), light, everywhere)
         balls = [with_a_ball(light, x) for x in (60, 100, 140, 180)]
@@ -122,25 +130,27 @@ def measured(merge: Merge) -> list[float]:
     return list(map(float, np.mean(rows, axis=0)))
 
 
-def table() -> Iterator[str]:
-    """Markdown, a line at a time."""
+def merge_rows(missing: Callable[[str], None], scenes: int = SCENES) -> Iterator[str]:
+    """Markdown, a line at a time; peers that are missing are told and left out."""
     yield "| merge | still | dark | middle | bright | moving ball |"
     yield "|---|---|---|---|---|---|"
+    grid = dorf_model().grid
+    mean, srgb = (
+        inverse_crf(grid, np.array([row] * 3)) for row in (dorf_model().mean, decode_srgb(grid))
+    )
     merges: dict[str, Merge] = {
-        "facecrf merge": ours,
+        "`facecrf merge`": ours,
         "OpenCV MergeDebevec": opencv("Debevec"),
         "OpenCV MergeRobertson": opencv("Robertson"),
         "colour-hdri, linearized before": colour_hdri,
+        "one photo alone, its curve": one_photo(CURVE),
+        "one photo alone, mean curve": one_photo(mean),
+        "one photo alone, sRGB": one_photo(srgb),
     }
     for name, merge in merges.items():
         try:
-            cells = measured(merge)
-        except ImportError as error:
-            print(f"left out: {name}: {error}", file=sys.stderr)
+            cells = measured(merge, scenes)
+        except MissingPeerError as error:
+            missing(str(error))
             continue
         yield f"| {name} | {' | '.join(f'{cell:.3f}' for cell in cells)} |"
-
-
-if __name__ == "__main__":
-    for line in table():
-        print(line, flush=True)
