@@ -17,7 +17,7 @@ from facecrf_ocio.values import Float, InverseCRF, Photo
 
 _LARGER = 3  # than the scenes of the merges: 720 px, so that patches of 5 px are flat
 _SAMPLES = 200  # of colour-hdri: its 1,000 take it minutes, and change less than a tenth
-_LEVELS = np.linspace(0.0, 1.0, 256)
+_LEVELS = np.linspace(0.0, 1.0, 256)  # the codes of 8 bits
 
 
 class Brackets:
