@@ -10,8 +10,8 @@ from facecrf_ocio.chart.reflectances import reflectances
 from facecrf_ocio.values import Float, InverseCRF, Photo
 
 PATCH, GAP, FRAME = 60, 9, 25  # [px]
-WIDE = 6 * PATCH + 5 * GAP + 2 * FRAME
-HIGH = 4 * PATCH + 3 * GAP + 2 * FRAME
+WIDE = 6 * PATCH + 5 * GAP + 2 * FRAME  # [px]
+HIGH = 4 * PATCH + 3 * GAP + 2 * FRAME  # [px]
 
 
 def flat_chart(known: Float) -> Float:

@@ -23,8 +23,8 @@ from facecrf_ocio.values import InverseCRF, Photo
 Image = npt.NDArray[np.float32]
 Merge = Callable[[list[Photo]], Image]
 
-CURVE = gamma_curve(2.2)
-STOPS = np.array([-4.0, -2.0, 0.0, 2.0])
+CURVE = gamma_curve(2.2)  # between those of cameras; it is given to all
+STOPS = np.array([-4.0, -2.0, 0.0, 2.0])  # [stop] as cameras bracket at their widest
 SCENES = 5  # of which the table gives the mean
 _SIZE = 240  # [px]
 _SOFT = 16.0  # [px] blur of the scene's light
