@@ -145,6 +145,13 @@ def _of_iso(said: bytes) -> tuple[Float, ...]:
     return _checked(*(_three(column) for column in columns))
 
 
+def item_numbers(said: bytes) -> tuple[Any, ...]:
+    """All of a `GainMap` but its values, by what the item `tmap` of a HEIF says."""
+    if len(said) > 4 and not said[4] & _BASE_SPACE:
+        raise GainMapError("it is meant in another color space than the photo's")
+    return (*_of_iso(said), "ISO 21496-1")
+
+
 def apple_numbers(told: str, headroom: float) -> tuple[Any, ...]:
     """Apple's map, from the headroom that its XMP tells, else from that of the maker notes."""
     white = float(told) if told else headroom

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,18 +13,20 @@ from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.photo.cicp import LINEAR, CodePoints, of_boxes, of_nclx
 from facecrf_ocio.photo.exif import apple_headroom, camera_of, load_exif
-from facecrf_ocio.photo.gain_map import APPLE, GainMapError, apple_numbers
+from facecrf_ocio.photo.gain_map import APPLE, GainMapError, apple_numbers, item_numbers
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_size
 from facecrf_ocio.photo.named_curve import named_curve
 from facecrf_ocio.photo.orientation import upright
 from facecrf_ocio.photo.picture import PhotoFile
 from facecrf_ocio.photo.pixels import is_gray, three_channels
 from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
+from facecrf_ocio.photo.tone_map_item import tone_map_item
 from facecrf_ocio.values import GainMap, Photo, frozen
 
 INSTALL = "install the extra (pip install 'facecrf-ocio[heif]'), or convert it to JPEG or TIFF"
 _DAMAGE = (RuntimeError, ValueError, EOFError, OSError, SyntaxError)
 _AVIF = (b"avif", b"avis")
+_GAIN_MAP = ":aux:hdrgainmap"  # ends the names that Apple and Samsung give it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,21 +92,23 @@ def _read_heic(file: PhotoFile) -> _Decoded:
         raise _damaged(file, error) from error
     bits = int(heif.info.get("bit_depth", 8)) if codes.dtype == np.uint16 else 8
     exif = load_exif(heif.info.get("exif") or b"")
-    gain_map, notes = _apple_map(heif, exif)
+    gain_map, notes = _gain_map(heif, exif, file.content)
     icc, told = heif.info.get("icc_profile") or b"", of_nclx(heif.info.get("nclx_profile"))
     return _Decoded(_planes(codes), bits, exif, icc, told, gain_map, notes)
 
 
-def _apple_map(heif: Any, exif: Any) -> tuple[GainMap | None, tuple[str, ...]]:
-    """An iPhone's gain map, which is an auxiliary image."""
-    auxiliary = heif.info.get("aux", {}).get(APPLE, [])
-    if not auxiliary:
+def _gain_map(heif: Any, exif: Any, content: bytes) -> tuple[GainMap | None, tuple[str, ...]]:
+    """A phone's gain map, which is an auxiliary image: Apple's, or what an item `tmap` is of."""
+    auxiliary = heif.info.get("aux", {})
+    name = next((name for name in auxiliary if name.endswith(_GAIN_MAP) and auxiliary[name]), "")
+    told = b"" if name == APPLE else tone_map_item(content)
+    if not name or not (name == APPLE or told):
         return None, ()
     try:
-        values = _planes(np.asarray(heif.get_aux_image(auxiliary[0])))[..., 0]
-        values = np.divide(three_channels(values), np.float32(255), dtype=np.float32)
-        return GainMap(values, *apple_numbers("", apple_headroom(exif))), ()
-    except (GainMapError, *_DAMAGE) as error:
+        numbers = apple_numbers("", apple_headroom(exif)) if name == APPLE else item_numbers(told)
+        values = three_channels(np.asarray(heif.get_aux_image(auxiliary[name][0])))
+        return GainMap(np.divide(values, np.float32(255), dtype=np.float32), *numbers), ()
+    except (GainMapError, ZeroDivisionError, struct.error, *_DAMAGE) as error:
         return None, (f"its gain map was set aside: {plain_text(error)}",)
 
 
