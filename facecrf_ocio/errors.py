@@ -2,11 +2,31 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
+
+# How texts name an argument of Python's: `stops=...`, `direction="encode"`, `overwrite=True`.
+_ARGUMENT = re.compile(r'\b([a-z][a-z_]*)=(?:\.\.\.|True|"([\w-]+)")')
+_OPTIONS = {"corners_xy": "corners", "space": "to"}
+"""Options of commands that are not called as the arguments are."""
 
 
 class FaceCRFError(Exception):
-    """Base of all errors raised on purpose by this package."""
+    """Base of all errors raised on purpose by this package.
+
+    Its text says what to do as Python has it; `on_command_line` names the options of commands.
+    """
+
+    def on_command_line(self) -> str:
+        """The same text as commands tell it; only what follows the last semicolon is advice."""
+        problem, semicolon, advice = str(self).rpartition("; ")
+        return problem + semicolon + _ARGUMENT.sub(_option, advice)
+
+
+def _option(argument: re.Match[str]) -> str:
+    name, value = argument[1], argument[2]
+    option = f"--{_OPTIONS.get(name, name).replace('_', '-')}"
+    return f"{option} {value}" if value else option
 
 
 class PhotoError(FaceCRFError):
@@ -41,8 +61,6 @@ class OutputError(FaceCRFError):
 class ExistsError(OutputError):
     """A file is there already, and nobody allowed to replace it.
 
-    Its text says how Python allows it; `on_command_line` names the flag that commands have.
-
     Parameters
     ----------
     target
@@ -55,10 +73,6 @@ class ExistsError(OutputError):
         self.target = target
         self.problem = problem
         super().__init__(f"{target}: {problem}; pass overwrite=True to replace it")
-
-    def on_command_line(self) -> str:
-        """The same as commands tell it."""
-        return f"{self.target}: {self.problem}; {OVERWRITE}"
 
 
 OVERWRITE = "pass --overwrite to replace it"

@@ -106,7 +106,7 @@ class TestBadInput:
         photos = [self.picture(tmp_path / f"{n}.jpg", 60) for n in range(2)]
         ended = CommandLine(capfd)("bracket", *photos, "-o", tmp_path / "out")
         assert ended.code == 3
-        assert "does not tell its exposure time; give the exposures with --stops" in ended.err
+        assert "does not tell its exposure time; give the exposures, --stops" in ended.err
 
     def test_all_alike(self, capfd, tmp_path):
         photos = [self.picture(tmp_path / f"{n}.jpg", 200) for n in range(2)]

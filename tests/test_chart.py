@@ -133,7 +133,7 @@ class TestBadInput:
 
     def test_no_detector(self, monkeypatch):
         monkeypatch.delattr(cv2, "mcc", raising=False)
-        with pytest.raises(PhotoError, match=r"has no detector.*--corners"):
+        with pytest.raises(PhotoError, match=r"has no detector.*corners_xy="):
             calibrate_chart(Photo(grace_hopper()))
 
     def test_cut_off_or_linear(self):

@@ -174,7 +174,7 @@ class TestDescriptions:
         photo = Photo(np.zeros((2, 3, 3), np.float32), path=Path("a.jpg"), primaries=p3)
         write_outputs(photo, estimate, Settings(), tmp_path / "luts", ["spi1d"])
         write_config([tmp_path / "luts"], tmp_path / "c.ocio")
-        told = read(tmp_path / "c.ocio").getColorSpace("facecrf_a").getDescription()
+        told = read(tmp_path / "c.ocio").getColorSpace("facecrf_a.jpg").getDescription()
         assert told.splitlines() == [
             "Source: a.jpg, through a.spi1d.",
             "Curve: calibrated by joint, weak.",

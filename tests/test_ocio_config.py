@@ -156,7 +156,7 @@ def test_scene_linear_is_the_working_space_asked_for(tmp_path, space, name):
     wanted = in_space(2.2, "Display P3", space)
     assert np.abs(through(config, "facecrf_b.jpg", "scene_linear") - wanted).max() < 1e-6
     builtin = "ocio://cg-config-v1.0.0_aces-v1.3_ocio-v2.1"
-    with pytest.raises(SettingsError, match="leave --to acescg out"):
+    with pytest.raises(SettingsError, match='leave out space="acescg"'):
         write_config([tmp_path / "luts"], tmp_path / "m.ocio", merge=builtin, space="acescg")
 
 
@@ -324,7 +324,7 @@ def test_a_studio_config_finds_its_own_luts_from_its_new_folder(tmp_path):
         "  - !<ColorSpace> {name: log, to_scene_reference: !<FileTransform> {src: log.spi1d}}\n"
     )
     lut = write_spi1d(tmp_path / "in" / "p.spi1d", 2.2)
-    with pytest.raises(SettingsError, match="--reference"):
+    with pytest.raises(SettingsError, match=r"pass reference=\.\.\."):
         write_config([lut], tmp_path / "new.ocio", merge=str(studio / "config.ocio"))
     write_config(
         [lut],

@@ -10,6 +10,7 @@ from facecrf_ocio import Confidence, Estimate, InverseCRF, NotCalibratedError, O
 from facecrf_ocio.cli.explain_command import TOPIC_NAMES
 from facecrf_ocio.cli.facecrf import main
 from facecrf_ocio.color.srgb import decode_srgb
+from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.values import InStops
 from facecrf_ocio.wording.expectation import expectation
 from facecrf_ocio.wording.explanations import TOPICS, explanation
@@ -97,3 +98,19 @@ def test_every_verdict_and_outcome_is_explained():
     assert TOPIC_NAMES == TOPICS
     assert [v.value for v in Verdict if f"\n{v.value}" not in explanation("verdicts")] == []
     assert [o.value for o in Outcome if f"\n{o.value}" not in explanation("outcomes")] == []
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ('a.clf: encodes; pass direction="encode"', "a.clf: encodes; pass --direction encode"),
+        ("a.jpg: no chart; give corners_xy=...", "a.jpg: no chart; give --corners"),
+        (
+            'a.ocio: has one; leave out space="lin_p3d65"',
+            "a.ocio: has one; leave out --to lin_p3d65",
+        ),
+        ("a=True.jpg: is empty; copy it again", "a=True.jpg: is empty; copy it again"),
+    ],
+)
+def test_what_python_calls_an_argument_is_an_option_on_the_command_line(text, told):
+    assert SettingsError(text).on_command_line() == told

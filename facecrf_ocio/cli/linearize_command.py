@@ -159,6 +159,8 @@ class _Linearization:
     def _is_by_map(self, photo: Photo) -> bool:
         bound = bool(self.space) or self.exposure != "0" or self.uncertainty
         free = photo.gain_map is not None and not bound
+        if self.hdr == "map" and photo.gain_map is None:
+            raise SettingsError(f"{photo.path}: has no gain map; use --hdr curve")
         return self.hdr == "map" or (self.hdr == "auto" and free)
 
 

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any, TextIO
 import click
 
 from facecrf_ocio.errors import (
-    ExistsError,
     FaceCRFError,
     LutError,
     OutputError,
@@ -76,12 +75,10 @@ def problem_of(error: Exception) -> str:
 
     With FACECRF_DEBUG in the environment that one is raised again, for whoever looks for its place.
     """
-    if isinstance(error, ExistsError):
-        return error.on_command_line()
     if isinstance(error, PhotoError) and error.path is not None and error.path.is_dir():
         return f"{error}, or take all of it: facecrf batch"
     if isinstance(error, FaceCRFError):
-        return str(error)
+        return error.on_command_line()
     if isinstance(error, MemoryError):
         return "not enough memory; use smaller files"
     if os.environ.get("FACECRF_DEBUG"):

@@ -126,7 +126,7 @@ def calibrate_clip(
                 nothing,
                 outcome=Outcome.NOT_CALIBRATED,
                 reason="no frame that was looked at shows a face",
-                remedy="give a part of the clip with a face, or more --frames",
+                remedy="give a part of the clip with a face, or look at more frames",
                 found=None,
                 confidence=None,
             )

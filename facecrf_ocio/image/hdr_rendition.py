@@ -46,7 +46,7 @@ def write_rendition(
     """
     gain_map = photo.gain_map
     if gain_map is None:
-        raise SettingsError(f"{photo.path}: has no gain map; choose the curve (--hdr curve)")
+        raise SettingsError(f"{photo.path}: has no gain map; calibrate it instead")
     space = _space(photo, gain_map)
     photo = exact_base(photo, gain_map)
     return write_exr(

@@ -85,8 +85,8 @@ def lut_lookup(lut: str | Path, direction: str | None = None) -> LutLookup:
         records = lut_records(processor, encodes="its name" if _named_to_encode(lut) else "")
     if records.encodes and direction is None:
         raise LutError(
-            f"{lut}: encodes, by {records.encodes}; pass --direction {_LINEARIZE} to run it "
-            f"backward, toward light, or --direction {_ENCODE} to run it as it is"
+            f'{lut}: encodes, by {records.encodes}; pass direction="{_LINEARIZE}" to run '
+            f'it backward, toward light, or direction="{_ENCODE}" to run it as it is'
         )
     to_light = direction != _ENCODE
     if bool(records.encodes) == to_light:

@@ -121,7 +121,7 @@ def _base(merge: str | None, space: str | None, output: Path) -> Any:
     if merge is None:
         return own_config(space or REFERENCE)
     if space is not None:
-        raise SettingsError(f"{merge}: has a working space of its own; leave --to {space} out")
+        raise SettingsError(f'{merge}: has a working space of its own; leave out space="{space}"')
     if not merge.startswith("ocio://") and output.suffix.lower() == ".ocioz":
         raise SettingsError(f"{merge}: files it refers to cannot be packed; write a .ocio instead")
     if merge.lower().endswith(".ocioz"):
@@ -181,7 +181,7 @@ def _chain(config: Any, reference: str | None, primaries: Primaries | None) -> _
         return _Chain(reference, (), primaries)
     space = config.getColorSpace("aces_interchange")
     if space is None:
-        raise SettingsError("the config has no role aces_interchange; pass --reference")
+        raise SettingsError("the config has no role aces_interchange; pass reference=...")
     forward = space.getTransform(ocio.ColorSpaceDirection.COLORSPACE_DIR_TO_REFERENCE)
     backward = space.getTransform(ocio.ColorSpaceDirection.COLORSPACE_DIR_FROM_REFERENCE)
     rest: tuple[Any, ...] = ()

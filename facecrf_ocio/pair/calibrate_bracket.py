@@ -50,7 +50,7 @@ def stops_by_exif(shots: Sequence[Shot], photos: Sequence[Photo] | None = None) 
         if shot.exposure_s <= 0.0:
             path = photos[number].path if photos else None
             raise PhotoError(
-                path, "does not tell its exposure time", "give the exposures with --stops"
+                path, "does not tell its exposure time", "give the exposures, stops=..."
             )
     return exposure_stops(
         [s.exposure_s for s in shots], [s.aperture for s in shots], [s.iso for s in shots]

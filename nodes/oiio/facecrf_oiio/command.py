@@ -14,7 +14,6 @@ from typing import Any, NoReturn
 import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio.errors import (
-    ExistsError,
     FaceCRFError,
     LutError,
     OutputError,
@@ -54,9 +53,9 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
 
 def _told(error: Exception) -> str:
-    if isinstance(error, ExistsError):
+    if isinstance(error, FaceCRFError):
         return error.on_command_line()
-    return str(error) or "not enough memory; use a smaller image or --roi"
+    return "not enough memory; use a smaller image or --roi"
 
 
 class _Parser(argparse.ArgumentParser):
