@@ -176,7 +176,7 @@ class TestDescriptions:
         write_config([tmp_path / "luts"], tmp_path / "c.ocio")
         told = read(tmp_path / "c.ocio").getColorSpace("facecrf_a.jpg").getDescription()
         assert told.splitlines() == [
-            "Source: a.jpg, through a.spi1d.",
+            "Source: a.jpg, through a.jpg.spi1d.",
             "Curve: calibrated by joint, weak.",
             "A first guess: expect errors about 2 % of white; sRGB would do as well.",
             "Primaries: Display P3 by ICC profile. Exposure: relative, known up to one factor.",
