@@ -9,6 +9,7 @@ import click
 import cv2
 import pytest
 
+from facecrf_ocio.cli.beside import beside
 from facecrf_ocio.cli.facecrf import main
 from facecrf_ocio.files.threads import meanwhile, one_opencv_thread, usable_cores
 
@@ -61,3 +62,18 @@ def test_work_is_done_in_this_thread_where_there_is_but_one(several_threads):
 def test_what_fails_in_a_thread_fails_where_it_is_asked_for(several_threads):
     with pytest.raises(ZeroDivisionError):
         meanwhile(lambda: 1 // 0)()
+
+
+def test_work_beside_other_work_is_done_when_that_is():
+    done = []
+    with beside(lambda: done.append(threading.get_ident())):
+        pass
+    assert done
+    assert done != [threading.get_ident()]
+
+
+def test_what_fails_beside_other_work_is_no_fault_of_that():
+    with beside(lambda: 1 // 0):
+        pass
+    with pytest.raises(KeyError), beside(lambda: 1 // 0):
+        raise KeyError
