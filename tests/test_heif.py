@@ -128,20 +128,32 @@ def test_avif(tmp_path: Path) -> None:
         read_photo(tmp_path / "b.avif")
 
 
-@pytest.mark.parametrize(
-    ("first", "second", "stops"),
-    [(0.5, 0.0, 1.8), (0.5, 1.0, 1.5), (1.0, 0.0, 3.0), (1.5, 1.0, 2.0), (0.5, 0.005, 1.7)],
-)
-def test_how_bright_an_iphone_makes_white(first: float, second: float, stops: float) -> None:
-    # Apple, "Applying Apple HDR effect to your photos"; fractions stand behind the directory.
-    notes = b"Apple iOS\0\0\x01MM" + struct.pack(">H", 2)
-    for tag, at in ((33, 44), (48, 52)):
-        notes += struct.pack(">HHII", tag, 10, 1, at)
-    notes = notes.ljust(44, b"\0") + struct.pack(
-        ">4i", round(first * 1e4), 10000, round(second * 1e4), 10000
-    )
+def apple_exif(**told: float) -> bytes:
+    """EXIF whose maker notes hold fractions by their tags; they stand behind the directory."""
+    behind = 14 + 2 + 12 * len(told)
+    notes = b"Apple iOS\0\0\x01MM" + struct.pack(">H", len(told))
+    for number, name in enumerate(told):
+        notes += struct.pack(">HHII", int(name[1:]), 10, 1, behind + 8 * number)
+    notes += b"".join(struct.pack(">ii", round(value * 1e4), 10000) for value in told.values())
     within = struct.pack("<HHHII", 1, 0x927C, 7, len(notes), 26 + 18) + bytes(4)
     content = b"II*\0" + struct.pack("<I", 8) + struct.pack("<HHHII", 1, 0x8769, 4, 1, 26)
-    content += bytes(4) + within + notes
-    assert apple_headroom(load_exif(content)) == pytest.approx(2**stops, rel=1e-3)
+    return content + bytes(4) + within + notes
+
+
+@pytest.mark.parametrize(
+    ("told", "stops"),
+    [
+        ({"_33": 0.5, "_48": 0.0}, 1.8),
+        ({"_33": 0.5, "_48": 1.0}, 1.5),
+        ({"_33": 1.0, "_48": 0.0}, 3.0),
+        ({"_33": 1.5, "_48": 1.0}, 2.0),
+        ({"_33": 0.5, "_48": 0.005}, 1.7),
+        ({"_33": 0.88}, 1.8),
+        ({"_48": 1.0}, 1.5),
+    ],
+)
+def test_how_bright_an_iphone_makes_white(told: dict[str, float], stops: float) -> None:
+    # Apple, "Applying Apple HDR effect to your photos".
+    assert apple_headroom(load_exif(apple_exif(**told))) == pytest.approx(2**stops, rel=1e-3)
+    assert apple_headroom(load_exif(apple_exif(_34=1.0))) == 0
     assert apple_headroom(load_exif(b"no EXIF")) == 0

@@ -36,12 +36,14 @@ def camera_of(exif: Any) -> Camera:
 def apple_headroom(exif: Any) -> float:
     """How many times as bright as white an iPhone's gain map gets; 0 where EXIF does not tell.
 
-    Apple, "Applying Apple HDR effect to your photos": from the maker notes 33 and 48.
+    Apple, "Applying Apple HDR effect to your photos": from the maker notes 33 and 48. Where one
+    is missing, as 48 is on an iPhone 13 Pro, it counts as 0; so libultrahdr has it.
     """
     notes = _directory(exif).get(_MAKER_NOTES, b"")
-    first, second = (_apple_fraction(notes, tag) for tag in (33, 48))
-    if first is None or second is None:
+    told = tuple(_apple_fraction(notes, tag) for tag in (33, 48))
+    if told == (None, None):
         return 0.0
+    first, second = (one or 0.0 for one in told)
     steep, flat = ((-20.0, 1.8), (-0.101, 1.601)) if first < 1 else ((-70.0, 3.0), (-0.303, 2.303))
     slope, start = steep if second <= 0.01 else flat
     return float(2 ** max(slope * second + start, 0.0))
