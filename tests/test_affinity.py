@@ -12,8 +12,9 @@ from typing import Any
 import pytest
 from command_line import CommandLine, write_noise
 
-from facecrf_ocio.archive import report, run
+from facecrf_ocio.archive import report
 from facecrf_ocio.archive.report import write_report
+from facecrf_ocio.archive.work import hired
 from facecrf_ocio.archive.work.processes import Workers
 from facecrf_ocio.files.threads import usable_cores
 
@@ -55,7 +56,7 @@ def test_batch_starts_as_many_processes(
         asked.append(jobs)
         return Workers(jobs, *rest)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(run, "Workers", workers)
+    monkeypatch.setattr(hired, "Workers", workers)
     (tmp_path / "photos").mkdir()
     write_noise(tmp_path / "photos" / "a.png")
     how = ("--estimator", "mean", "--formats", "spi1d", *options)
