@@ -675,6 +675,12 @@ def test_a_photo_is_compared_with_the_keyboard_at_any_exposure(window):
     linear = 4 * ((100 / 255 + 0.055) / 1.055) ** 2.4
     assert float(table[100]) == pytest.approx(1.055 * linear ** (1 / 2.4) - 0.055, abs=1e-4)
     assert "exposed" in page.one(".stage").get_attribute("class")
+    unsure = page.one("#details .unsure")
+    assert unsure.find_element("css selector", "img").value_of_css_property("filter") != "none"
+    tables = page.all("#unsure feComponentTransfer:first-child feFuncG")
+    stops = [float(v) for v in tables[0].get_attribute("tableValues").split()]
+    middle = len(stops) // 2
+    assert stops[middle] < 0.02 < max(stops[:middle]) <= 1.0  # stops apart from code 128 grow
     links = [each.get_attribute("href") for each in page.all("#details .files a")]
     assert [link.rsplit("/", 1)[1] for link in links] == [
         *("film.jpg", "film.jpg.spi1d", "film.jpg.crf.json")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813
@@ -170,6 +171,35 @@ class TestBadInput:
         write_picture(tmp_path / "frame.0003.png", RAMP[:, :50], CURVE)
         with pytest.raises(PhotoError, match="has 50 x 48 pixels, frames before it 64 x 48"):
             list(open_clip(tmp_path).read([0, 1, 2]))
+
+    def test_a_video_whose_size_changes_midway(self, tmp_path):
+        """Motion JPEG, of which each frame tells its own size."""
+        av = pytest.importorskip("av")
+        path = tmp_path / "a.mkv"
+        with av.open(str(path), "w") as container:
+            stream = container.add_stream("mjpeg", rate=24)
+            stream.width, stream.height, stream.pix_fmt = 64, 48, "yuvj420p"
+            larger = av.CodecContext.create("mjpeg", "w")
+            larger.width, larger.height, larger.pix_fmt = 128, 96, "yuvj420p"
+            larger.time_base = Fraction(1, 24)
+            for number in range(6):
+                coder, size = (stream, 1) if number < 4 else (larger, 2)
+                codes = np.rint(RAMP * 255).astype(np.uint8).repeat(size, 0).repeat(size, 1)
+                frame = av.VideoFrame.from_ndarray(codes, format="rgb24")
+                frame.pts, frame.time_base = number, Fraction(1, 24)
+                for packet in coder.encode(frame.reformat(format="yuvj420p")):
+                    packet.stream, packet.pts, packet.dts = stream, number, number
+                    packet.time_base = Fraction(1, 24)
+                    container.mux(packet)
+        clip = open_clip(path)
+        with pytest.raises(PhotoError, match=r"a\.mkv: has 128 x 96 pixels, .* it 64 x 48; give"):
+            list(clip.read([0, 3, 5]))
+
+    def test_a_transport_stream_is_read_though_it_cannot_be_sought_in(self, tmp_path):
+        steps = [np.full_like(RAMP, level) for level in np.linspace(0.1, 0.9, 9)]
+        clip = open_clip(write_video(tmp_path / "a.ts", steps))
+        found = [float(photo.encoded.mean()) for photo in clip.read(range(9))]
+        assert found == pytest.approx(np.linspace(0.1, 0.9, 9), abs=0.02)
 
     def test_no_video(self, tmp_path):
         pytest.importorskip("av")

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from facecrf_ocio.clip.frame_list import Clip
+from facecrf_ocio.clip.frame_list import Clip, in_one_size
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.photo.suffixes import suffixes_named
@@ -86,18 +86,7 @@ def _order(path: Path) -> tuple[str, int, str]:
 
 def _sequence(given: Path, paths: Sequence[Path], name: str) -> Clip:
     def read(indices: Sequence[int]) -> Iterator[Photo]:
-        size: tuple[int, ...] = ()
-        for index in indices:
-            photo = read_photo(paths[index])
-            if size not in ((), photo.encoded.shape):
-                raise PhotoError(
-                    photo.path,
-                    f"has {photo.encoded.shape[1]} x {photo.encoded.shape[0]} pixels, frames "
-                    f"before it {size[1]} x {size[0]}",
-                    "give the frames of one clip",
-                )
-            size = photo.encoded.shape
-            yield photo
+        return in_one_size(read_photo(paths[index]) for index in indices)
 
     return Clip(
         paths[0] if paths else given,

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.values import Photo
 
 
@@ -38,3 +39,18 @@ class Clip:
     rate: float
     read: Callable[[Sequence[int]], Iterator[Photo]]
     notes: tuple[str, ...] = ()
+
+
+def in_one_size(photos: Iterable[Photo]) -> Iterator[Photo]:
+    """Frames as they come, of which one of another size raises PhotoError."""
+    size: tuple[int, ...] = ()
+    for photo in photos:
+        if size not in ((), photo.shape):
+            raise PhotoError(
+                photo.path,
+                f"has {photo.shape[1]} x {photo.shape[0]} pixels, frames before it "
+                f"{size[1]} x {size[0]}",
+                "give the frames of one clip",
+            )
+        size = photo.shape
+        yield photo

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from facecrf_ocio.clip.frame_list import Clip
+from facecrf_ocio.clip.frame_list import Clip, in_one_size
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.content import sha256_of
 from facecrf_ocio.values import Photo
@@ -46,7 +46,7 @@ def open_video(path: Path) -> Clip:
         notes.append("its frame rate varies: frames are chosen and named by their own times")
 
     def read(indices: Sequence[int]) -> Iterator[Photo]:
-        return _frames(path, [stamps[index] for index in indices])
+        return in_one_size(_frames(path, [stamps[index] for index in indices]))
 
     return Clip(
         path,
@@ -77,10 +77,19 @@ def _frames(path: Path, stamps: Sequence[int]) -> Iterator[Photo]:
         stream.thread_type = "AUTO"
         for stamp in stamps:
             container.seek(stamp, stream=stream, backward=True)
-            frame = next((f for f in container.decode(stream) if (f.pts or 0) >= stamp), None)
+            frame = _first(container.decode(stream), stamp)
+            if frame is None or frame.pts != stamp:
+                # Transport streams have no index, and a seek in them may go too far.
+                with av.open(str(path)) as anew:
+                    frame = _first(anew.decode(anew.streams.video[0]), stamp)
             if frame is None:
                 raise PhotoError(path, "is cut short", "copy it again")
             yield _photo(frame, int(stream.codec_context.color_trc or 0), path, sha256)
+
+
+def _first(frames: Iterable[Any], stamp: int) -> Any:
+    """The first frame at a time stamp or later; None if there is none."""
+    return next((frame for frame in frames if (frame.pts or 0) >= stamp), None)
 
 
 def _photo(frame: Any, transfer: int, path: Path, sha256: str) -> Photo:

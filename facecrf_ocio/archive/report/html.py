@@ -29,7 +29,7 @@ BLOCK = 50
 # Parts of the one script, in the order in which they stand in it: later ones use earlier ones.
 _PARTS = (
     *("elements", "curves", "stops", "pictures", "rows", "choice", "columns", "table", "pages"),
-    *("compare", "files", "detail", "summary", "sections", "why", "cameras", "brackets"),
+    *("compare", "unsure", "files", "detail", "summary", "sections", "why", "cameras", "brackets"),
     *("filters", "start"),
 )
 

@@ -62,6 +62,7 @@ function detail(row) {
       "div",
       {},
       compare(row),
+      unsure(row),
       why ? el("p", {class: "absent"}, why) : null,
       says(row),
       nextSteps(row),
