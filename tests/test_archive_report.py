@@ -678,7 +678,7 @@ def test_a_photo_is_compared_with_the_keyboard_at_any_exposure(window):
     unsure = page.one("#details .unsure")
     assert unsure.find_element("css selector", "img").value_of_css_property("filter") != "none"
     tables = page.all("#unsure feComponentTransfer:first-child feFuncG")
-    stops = [float(v) for v in tables[0].get_attribute("tableValues").split()]
+    stops = [float(v) for v in tables[0].get_dom_attribute("tableValues").split()]
     middle = len(stops) // 2
     assert stops[middle] < 0.02 < max(stops[:middle]) <= 1.0  # stops apart from code 128 grow
     links = [each.get_attribute("href") for each in page.all("#details .files a")]
