@@ -64,6 +64,7 @@ def test_files_without_the_item_and_damaged_ones() -> None:
     whole = heif()
     assert tone_map_item(b"") == b""
     assert tone_map_item(whole.replace(b"tmap", b"mime")) == b""
+    assert tone_map_item(b"\0\0\0\2" * 1_000_000) == b""  # boxes shorter than their heads
     for end in range(len(whole)):
         assert NUMBERS.startswith(tone_map_item(whole[:end]))
     for place in range(len(whole)):
