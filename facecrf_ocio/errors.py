@@ -7,7 +7,7 @@ from pathlib import Path
 
 # How texts name an argument of Python's: `stops=...`, `direction="encode"`, `overwrite=True`.
 _ARGUMENT = re.compile(r'\b([a-z][a-z_]*)=(?:\.\.\.|True|"([\w-]+)")')
-_OPTIONS = {"corners_xy": "corners", "space": "to"}
+_OPTIONS = {"ca": "tls-ca", "corners_xy": "corners", "space": "to"}
 """Options of commands that are not called as the arguments are."""
 
 

@@ -109,6 +109,7 @@ def test_every_verdict_and_outcome_is_explained():
             'a.ocio: has one; leave out space="lin_p3d65"',
             "a.ocio: has one; leave out --to lin_p3d65",
         ),
+        ("tls://a: is silent; speak TLS (ca=...)", "tls://a: is silent; speak TLS (--tls-ca)"),
         ("a=True.jpg: is empty; copy it again", "a=True.jpg: is empty; copy it again"),
     ],
 )

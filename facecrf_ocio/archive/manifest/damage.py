@@ -14,7 +14,7 @@ from facecrf_ocio.files.plain_text import plain_text
 
 _FULL = "free some space, or choose another folder"
 _LOCKED = "close the program that has it open, and start again"
-_DAMAGED = "restore it from a copy; or move it away and start the batch again with --overwrite"
+_DAMAGED = "restore it from a copy; or move it away and start the batch again with overwrite=True"
 _ANY = "close what has it open, check the disk, or choose another folder"
 _BY_NAME = {
     "SQLITE_FULL": _FULL,

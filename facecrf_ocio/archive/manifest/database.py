@@ -290,4 +290,4 @@ def record_outputs(manifest: Manifest, key: str, outputs: Iterable[Output]) -> N
         )
 
 
-_AGAIN = "start the batch again with --overwrite on a new folder"
+_AGAIN = "start the batch again with overwrite=True on a new folder"

@@ -76,7 +76,7 @@ def connect(cluster: Cluster, open_: ExitStack) -> Client:
             security=_security(cluster),
         )
     except (OSError, ValueError, TypeError) as error:
-        speaks = "" if cluster.ca else ", and whether it speaks TLS alone (--tls-ca)"
+        speaks = "" if cluster.ca else ", and whether it speaks TLS alone (ca=...)"
         raise ClusterError(
             f"{address}: no Dask scheduler answers there; start one with `dask scheduler`, or "
             f"check the address{speaks}"

@@ -191,7 +191,7 @@ class ClusterWorkers:
         if self.cluster.ship is False:
             raise ClusterError(
                 f"{unseen}: a worker of {self.cluster.address} does not see it as it is here; "
-                "mount it there under the same path, or pass --ship"
+                "mount it there under the same path, or pass ship=True"
             )
         self.shipping = True
 
