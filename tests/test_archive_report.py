@@ -29,6 +29,7 @@ from selenium.webdriver.support.wait import WebDriverWait
 from facecrf_ocio.archive.job import Job
 from facecrf_ocio.archive.manifest.database import FILE
 from facecrf_ocio.archive.report import write_report
+from facecrf_ocio.archive.report.contents import in_order
 from facecrf_ocio.archive.report.links import relative_url
 from facecrf_ocio.archive.report.reason_kinds import reason_kinds
 from facecrf_ocio.archive.run import run
@@ -139,11 +140,19 @@ def test_every_photo_of_the_manifest_is_in_the_page(archive):
     base = sqlite3.connect(archive / FILE)
     names = [name for (name,) in base.execute("SELECT name FROM photos ORDER BY name")]
     base.close()
-    assert page.data["columns"]["name"] == names
+    assert sorted(page.data["columns"]["name"]) == names
     kinds = {n: page.data["kinds"][page.data["columns"]["kind"][page.row(n)]] for n in names}
     assert {n for n, kind in kinds.items() if kind == "failed"} == {"cut.png", "empty.jpg"}
     assert kinds["film.jpg"] == "prior only"
     assert page.word("reason", page.row("empty.jpg")).startswith("is empty (zero bytes)")
+
+
+def test_names_come_in_the_order_of_their_numbers():
+    names = ["a/1.jpg", "head 2.jpg", "Head 3.jpg", "head 010.jpg", "head 10.jpg", "head 10b.jpg"]
+    names += ["head 11/2.jpg", "head 11/10.jpg", "head 11-1/1.jpg", f"n{'9' * 5000}.jpg"]
+    for seed in range(5):
+        shuffled = np.random.default_rng(seed).permutation(names).tolist()
+        assert sorted(shuffled, key=in_order) == names
 
 
 def test_opencv_has_the_threads_that_it_had_before(archive):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -117,12 +118,26 @@ def read_archive(folder: Path) -> Archive:
     """
     with reading(folder) as manifest:
         told = manifest.about("source")
-        rows = tuple(map(_row, manifest.photos()))
+        rows = tuple(sorted(map(_row, manifest.photos()), key=lambda row: in_order(row.name)))
         groups = tuple(map(_group, manifest.cameras()))
         merged = {fields.name("name"): fields.name("file") for fields in manifest.merges()}
-        brackets = tuple(_bracket(fields, merged) for fields in manifest.brackets())
+        found = (_bracket(fields, merged) for fields in manifest.brackets())
+        brackets = tuple(sorted(found, key=lambda bracket: in_order(bracket.name)))
     source = None if told is None else Path(told)
     return Archive(folder, source, rows, groups, brackets, _misfits(rows, groups))
+
+
+def in_order(name: str) -> tuple[tuple[str | int, ...], ...]:
+    """Key by which names come in the order of their numbers, folder by folder: 2.jpg, 10.jpg."""
+    return (*map(_parts, name.casefold().split("/")), (name,))
+
+
+def _parts(text: str) -> tuple[str | int, ...]:
+    # Texts at even places, numbers at odd ones; without leading zeros a longer number is larger.
+    parts = re.split("([0-9]+)", text)
+    numbers = (part.lstrip("0") for part in parts[1::2])
+    pairs = zip(numbers, parts[2::2], strict=True)
+    return (parts[0], *(each for n, after in pairs for each in (len(n), n, after)))
 
 
 def _camera(fields: Fields) -> tuple[str, str, str, str]:
