@@ -21,7 +21,7 @@ from facecrf_ocio.cli.terminal import DONE, ending_well, one_line
     help="Toward light, for which a LUT that encodes is inverted, or away from it. Needed only "
     "for a LUT that encodes; ICC profiles go from the device to CIE XYZ.",
 )
-@exr_options
+@exr_options("OUT.exr")
 @click.option("--overwrite", is_flag=True, help="Replace an existing EXR.")
 @ending_well
 def apply(

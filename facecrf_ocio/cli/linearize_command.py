@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("photos", nargs=-1, required=True, type=PHOTO_PATH, metavar="PHOTO...")
-@exr_options
+@exr_options("OUT.exr|DIR")
 @space_option("the EXR is tagged as such")
 @click.option(
     "--hdr",

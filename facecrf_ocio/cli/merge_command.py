@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("photos", nargs=-1, required=True, type=PHOTO_PATH, metavar="BRACKET...")
-@exr_options
+@exr_options("OUT.exr")
 @stops_option
 @click.option(
     "--curve",

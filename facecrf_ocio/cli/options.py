@@ -206,10 +206,14 @@ def space_option(how: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]
     )
 
 
-def exr_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options of an EXR to be written."""
+def exr_options(output: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Return what adds the options of an EXR to be written; `output` says what -o may name."""
+    return lambda command: _with_exr_options(command, output)
+
+
+def _with_exr_options(command: Callable[..., Any], output: str) -> Callable[..., Any]:
     options = (
-        click.option("-o", "--output", required=True, type=TEXT_PATH, metavar="OUT.exr"),
+        click.option("-o", "--output", required=True, type=TEXT_PATH, metavar=output),
         click.option("--half/--float", default=True, help="16-bit (default) or 32-bit floats."),
         click.option(
             "--compression",
