@@ -365,7 +365,7 @@ def test_the_command_tells_what_it_wrote_or_why_not_in_one_line(tmp_path, capfd)
         (2, "unpack it", (luts, "-o", new, "--merge", tmp_path / 'ü $ "q".ocioz')),
         (2, "not a config", (luts, "-o", new, "--merge", luts / "p.spi1d")),
         (2, "not a config", (luts, "-o", new, "--merge", "ocio://nothing")),
-        (2, "leave --to acescg out", (luts, "-o", new, "--merge", builtin, "--to", "acescg")),
+        (2, "leave out --to acescg", (luts, "-o", new, "--merge", builtin, "--to", "acescg")),
         (3, "it encodes", (luts / "q.encode.spi1d", "-o", new)),
         (3, "no LUT", (tmp_path / "empty", "-o", new)),
     ):
