@@ -250,7 +250,7 @@ def _add_variable(config: Any, entries: Sequence[Entry], chain: _Chain) -> dict[
         matrices[DEFAULT_PHOTO] = working_space_matrix(None, chain.target)
         more |= {f"{name}.spimtx": _spimtx(matrix) for name, matrix in matrices.items()}
         steps = [*chain.rest]
-    text = f"The photo whose LUT the context variable {VARIABLE} names; sRGB while it is not set."
+    text = f"The photo that the context variable {VARIABLE} names; sRGB while it is not set."
     _add_space(config, VARIABLE_SPACE, names, steps, text)
     return more
 
