@@ -184,6 +184,14 @@ class Timing:
 
 
 @dataclass(frozen=True, slots=True)
+class Thumbnail:
+    """A photo as WebP, upright, as it is and by its curve; what there is none of is empty."""
+
+    before: bytes
+    after: bytes = b""
+
+
+@dataclass(frozen=True, slots=True)
 class Result:
     """What came of one photo.
 
@@ -214,6 +222,8 @@ class Result:
     merged
         Of each photo of a bracket, its stops relative to the one that the image shows, and the
         share of its pixels that moved.
+    thumbnail
+        For the report; None where the photo was not looked at, empty where none could be made.
     """
 
     outcome: str
@@ -230,6 +240,7 @@ class Result:
     stop: str = ""
     lasting: bool = True
     merged: tuple[tuple[float, float], ...] = ()
+    thumbnail: Thumbnail | None = None
 
 
 FAILED = "failed"

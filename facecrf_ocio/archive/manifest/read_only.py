@@ -99,10 +99,21 @@ class Reader:
         listed = "SELECT 1 FROM outputs WHERE name = ?"
         return self._base.execute(listed, (key_of(name),)).fetchone() is not None
 
+    def thumbnail(self, photo: str) -> tuple[object, object, object] | None:
+        """What is kept of a photo's thumbnail: hash, before, after; None if nothing is."""
+        if not self._has("thumbnails"):
+            return None
+        query = "SELECT sha256, before, after FROM thumbnails WHERE photo = ?"
+        row = self._base.execute(query, (key_of(photo),)).fetchone()
+        return None if row is None else (row[0], row[1], row[2])
+
+    def _has(self, table: str) -> bool:
+        there = self._base.execute("SELECT 1 FROM sqlite_master WHERE name = ?", (table,))
+        return there.fetchone() is not None
+
     def _all(self, table: str, key: str) -> Iterator[Fields]:
         """Rows of a table that a manifest of another version may lack."""
-        there = self._base.execute("SELECT 1 FROM sqlite_master WHERE name = ?", (table,))
-        if there.fetchone() is not None:
+        if self._has(table):
             # Both names are ours.
             rows = self._base.execute(f"SELECT * FROM {table} ORDER BY {key}")  # noqa: S608
             yield from map(Fields, rows)

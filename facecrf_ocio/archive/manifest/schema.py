@@ -44,6 +44,10 @@
     [bytes; -1: about to be written], `sha256`, `written_ns` (its time when it was written, by which
     it is known to be as it was; 0: not known), `folded` (its name as a file system without regard
     to case and composition compares it).
+`thumbnails`, one row a photo that could be read, for the report
+    `photo` (key), `before` and `after` (WebP, 96 pixels: as it is, and by its curve; empty without
+    one), `sha256` (of the photo's own hash and both pictures, by which another photo's and a
+    damaged one are told).
 `about`
     `key`, `value`: `schema`; `source` (folder of the photos); `recipe HASH` (JSON: how photos of
     that recipe were treated, for whoever makes outputs again); `cpu` (JSON: the processors that
@@ -60,7 +64,7 @@ import sqlite3
 
 from facecrf_ocio.archive.manifest.keys import folded, key_of
 
-VERSION = 4  # of the tables below; one more for each change of them
+VERSION = 5  # of the tables below; one more for each change of them
 
 _ABOUT = "CREATE TABLE IF NOT EXISTS about (key TEXT PRIMARY KEY, value TEXT NOT NULL)"
 _FIRST = (
@@ -154,7 +158,15 @@ _FOURTH = (
     ) WITHOUT ROWID
     """,
 )
-_STEPS = (_FIRST, _SECOND, _THIRD, _FOURTH)
+_FIFTH = (
+    """
+    CREATE TABLE thumbnails (
+        photo TEXT PRIMARY KEY REFERENCES photos(name), sha256 TEXT NOT NULL,
+        before BLOB NOT NULL, after BLOB NOT NULL
+    )
+    """,
+)
+_STEPS = (_FIRST, _SECOND, _THIRD, _FOURTH, _FIFTH)
 
 
 def bring_up(base: sqlite3.Connection) -> int:

@@ -24,6 +24,8 @@ class Row:
         Key: path relative to the source.
     size, mtime_ns
         By what the photo is known to be the one that was calibrated.
+    sha256
+        Of the photo's bytes; empty if they could not be read.
     kind
         One of `KINDS`: the verdict, or why there is none.
     camera
@@ -39,6 +41,7 @@ class Row:
     name: str
     size: int
     mtime_ns: int
+    sha256: str
     kind: str
     outcome: str
     estimator: str
@@ -149,6 +152,7 @@ def _row(fields: Fields) -> Row:
         name=fields.name("name"),
         size=fields.whole("size"),
         mtime_ns=fields.whole("mtime_ns"),
+        sha256=fields.text("sha256"),
         kind=_kind(fields.text("state"), fields.text("outcome"), fields.text("verdict")),
         outcome=fields.text("outcome"),
         estimator=fields.text("estimator"),

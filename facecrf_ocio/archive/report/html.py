@@ -14,7 +14,7 @@ from typing import TypeVar
 
 from facecrf_ocio import __version__
 from facecrf_ocio.archive.report.contents import KINDS, Archive, Bracket, Group, Row
-from facecrf_ocio.archive.report.pictures import SIDE, Pictures
+from facecrf_ocio.archive.report.pictures import Pictures
 from facecrf_ocio.archive.report.reason_kinds import reason_kinds
 from facecrf_ocio.archive.report.small_curves import (
     STOPS_RANGE,
@@ -22,6 +22,7 @@ from facecrf_ocio.archive.report.small_curves import (
     drawn_from_json,
     srgb_samples,
 )
+from facecrf_ocio.archive.thumbnail import SIDE
 
 BLOCK = 50
 """Photos whose pictures stand in one block, which is parsed when one of them is shown."""

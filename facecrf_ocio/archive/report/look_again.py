@@ -11,7 +11,9 @@ import numpy.typing as npt
 from PIL import Image, ImageOps
 
 from facecrf_ocio.archive.report.contents import Archive, Row
-from facecrf_ocio.archive.report.pictures import SIDE, Pictures, told, with_images
+from facecrf_ocio.archive.report.pictures import Pictures, told, with_images, with_thumbnail
+from facecrf_ocio.archive.task import Thumbnail
+from facecrf_ocio.archive.thumbnail import SIDE
 from facecrf_ocio.errors import FaceCRFError
 from facecrf_ocio.photo.pixels import Pixels
 from facecrf_ocio.photo.read import read_photo
@@ -29,8 +31,12 @@ NOT_OPENED = "Not opened again, since it could not be read before."
 _JPEG = suffixes_named("JPEG")
 
 
-def pictures_of(archive: Archive, row: Row, large: int = 0) -> Pictures:
-    """Read a photo, without changing it, and its sidecar, and make its pictures.
+def pictures_of(
+    archive: Archive, row: Row, kept: Thumbnail | None = None, large: int = 0
+) -> Pictures:
+    """Read a photo's sidecar, and take the thumbnail that was kept, or make pictures of the photo.
+
+    The photo is read, without being changed, where none was kept, or large ones are wanted.
 
     Nothing that is wrong with the photo is an error here. A photo that failed is not opened, for
     it may have crashed or hung its decoder.
@@ -43,6 +49,10 @@ def pictures_of(archive: Archive, row: Row, large: int = 0) -> Pictures:
     linear = row.outcome == str(Outcome.ALREADY_LINEAR)
     try:
         _require_unchanged(archive.source, row)
+        has_light = linear or inverse is not None
+        if kept is not None and not large and (kept.after or not has_light):
+            kept = kept if has_light else Thumbnail(kept.before)
+            return with_thumbnail(replace(shown, missing=problem), kept)
         encoded = _read(_path(archive.source, row), max(SIDE, large), linear=linear)
     except _MissingError as missing:
         return replace(shown, missing=str(missing))

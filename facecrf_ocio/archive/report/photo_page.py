@@ -7,7 +7,8 @@ from pathlib import Path
 from facecrf_ocio.archive.report.contents import KINDS, Archive, Row
 from facecrf_ocio.archive.report.html import PHOTO_PAGE, render, this_minute
 from facecrf_ocio.archive.report.links import relative_url, require_page
-from facecrf_ocio.archive.report.pictures import is_linear, told, with_images
+from facecrf_ocio.archive.report.pictures import told, with_images
+from facecrf_ocio.archive.thumbnail import is_linear
 from facecrf_ocio.files.atomic import Draft, write_files
 from facecrf_ocio.values import Estimate, Photo
 from facecrf_ocio.wording.sentence import COMMAND_LINE
@@ -71,6 +72,7 @@ def _row(photo: Photo, estimate: Estimate) -> Row:
         name="photo in memory" if photo.path is None else photo.path.name,
         size=0 if photo.path is None else photo.path.stat().st_size,
         mtime_ns=0,
+        sha256=photo.sha256 or "",
         kind=verdict if verdict in KINDS and estimate.found is not None else "no curve",
         outcome=str(estimate.outcome),
         estimator=estimate.estimator,

@@ -4,25 +4,14 @@ from __future__ import annotations
 
 import base64
 from dataclasses import dataclass, replace
-from io import BytesIO
-
-import cv2
-import numpy as np
-from PIL import Image
 
 from facecrf_ocio.archive.report.small_curves import DrawnCurve, drawn
-from facecrf_ocio.color.srgb import encode_srgb
-from facecrf_ocio.image.lookup import curve_lookup
-from facecrf_ocio.photo.pixels import Pixels, code_values
-from facecrf_ocio.values import Estimate, InverseCRF, Outcome
+from facecrf_ocio.archive.task import Thumbnail
+from facecrf_ocio.archive.thumbnail import QUALITY, SIDE, light_of, shrunk, webps
+from facecrf_ocio.photo.pixels import Pixels
+from facecrf_ocio.values import Estimate, InverseCRF
 from facecrf_ocio.wording.next_steps import next_steps
 from facecrf_ocio.wording.sentence import ARCHIVE, Surface, expected, sentence
-
-SIDE = 96
-"""[pixel] Longer side of a thumbnail."""
-
-QUALITY = 60
-"""Of WebP: at this size a better one cannot be told apart on a screen."""
 
 LARGE_QUALITY = 78
 """Of WebP: large pictures are looked at three stops up, where a lower one shows its blocks."""
@@ -96,17 +85,23 @@ def with_images(
     large
         [pixel] Longer side of the large pictures; 0 for none.
     """
-    light = encoded if linear else None
-    if inverse is not None and light is None:
-        light = curve_lookup(inverse).apply(_shrunk(encoded, 2 * max(SIDE, large)))
+    small = encoded if linear else shrunk(encoded, 2 * max(SIDE, large))
+    light = light_of(small, inverse, linear=linear)
+    both = None
+    if large:
+        before, after = webps(encoded, light, large, LARGE_QUALITY, linear=linear)
+        both = _text(before), _text(after)
+    kept = Thumbnail(*webps(encoded, light, SIDE, QUALITY, linear=linear))
+    return replace(with_thumbnail(shown, kept), large=both)
 
-    def pair(side: int, quality: int) -> tuple[str, str]:
-        after = "" if light is None else _shown_light(light, side, quality)
-        return after if linear else _webp(encoded, side, quality), after
 
-    before, after = pair(SIDE, QUALITY)
-    both = pair(large, LARGE_QUALITY) if large else None
-    return replace(shown, before=before, after=after, large=both)
+def with_thumbnail(shown: Pictures, kept: Thumbnail) -> Pictures:
+    """Add a thumbnail."""
+    return replace(shown, before=_text(kept.before), after=_text(kept.after))
+
+
+def _text(webp: bytes) -> str:
+    return base64.b64encode(webp).decode()
 
 
 def _curve(estimate: Estimate) -> DrawnCurve | None:
@@ -118,30 +113,3 @@ def _curve(estimate: Estimate) -> DrawnCurve | None:
 def _in_stops(estimate: Estimate) -> tuple[float, float] | None:
     stops = None if estimate.confidence is None else estimate.confidence.in_stops
     return None if stops is None else (stops.mid, stops.shadows)
-
-
-def is_linear(estimate: Estimate) -> bool:
-    """Whether the photo's values are light as they are."""
-    return estimate.outcome is Outcome.ALREADY_LINEAR
-
-
-def _shown_light(light: Pixels, side: int, quality: int) -> str:
-    return _webp(encode_srgb(_shrunk(light, side)).astype(np.float32), side, quality)
-
-
-def _shrunk(image: Pixels, side: int) -> Pixels:
-    """Average over areas until the longer side is `side`; a smaller image stays as it is."""
-    height, width = image.shape[:2]
-    scale = side / max(height, width)
-    if scale >= 1.0:
-        return image
-    size = (max(round(width * scale), 1), max(round(height * scale), 1))
-    return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), image.dtype)
-
-
-def _webp(encoded: Pixels, side: int, quality: int) -> str:
-    values = code_values(encoded, 8) if encoded.dtype == np.uint8 else encoded
-    codes = np.rint(255.0 * np.clip(_shrunk(values, side), 0.0, 1.0)).astype(np.uint8)
-    content = BytesIO()
-    Image.fromarray(codes).save(content, "WEBP", quality=quality, method=4)
-    return base64.b64encode(content.getvalue()).decode()

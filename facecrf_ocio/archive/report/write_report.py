@@ -8,11 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from facecrf_ocio.archive.check_outputs import REPORT
+from facecrf_ocio.archive.manifest.read_only import reading
+from facecrf_ocio.archive.manifest.thumbnail_rows import thumbnail_in
 from facecrf_ocio.archive.report.contents import Archive, Row, read_archive
 from facecrf_ocio.archive.report.html import ARCHIVE_PAGE, render, this_minute
 from facecrf_ocio.archive.report.links import relative_url, require_page
 from facecrf_ocio.archive.report.look_again import pictures_of
 from facecrf_ocio.archive.report.pictures import Pictures
+from facecrf_ocio.archive.task import Thumbnail
 from facecrf_ocio.files.atomic import Draft, write_files
 from facecrf_ocio.files.threads import one_opencv_thread
 
@@ -96,11 +99,13 @@ def _pictures(
     )[: counts[0]]
     large = {row.name for row in chosen[: counts[1]]}
 
-    def pictures(row: Row) -> Pictures:
-        made = pictures_of(archive, row, LARGE_SIDE if row.name in large else 0)
+    def pictures(row: Row, kept: Thumbnail | None) -> Pictures:
+        made = pictures_of(archive, row, kept, LARGE_SIDE if row.name in large else 0)
         watch(len(chosen))
         return made
 
+    with reading(archive.folder) as manifest:
+        kept = [thumbnail_in(manifest, row.name, row.sha256) for row in chosen]
     with one_opencv_thread(), ThreadPoolExecutor(jobs) as readers:
-        found = readers.map(pictures, chosen)
+        found = readers.map(pictures, chosen, kept)
         return {row.name: pictures for row, pictures in zip(chosen, found, strict=True)}

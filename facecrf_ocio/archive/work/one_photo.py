@@ -25,6 +25,7 @@ from facecrf_ocio.archive.task import (
     Task,
     Timing,
 )
+from facecrf_ocio.archive.thumbnail import thumbnail_of
 from facecrf_ocio.calibrate import SAME_CURVE, assumptions_of, calibrate
 from facecrf_ocio.cameras.known_cameras import own_cameras_are
 from facecrf_ocio.errors import (
@@ -92,6 +93,7 @@ def _attempt(task: Task) -> Result:
         result, estimate = _estimate(task, photo)
         done = perf_counter() if task.estimate is None else read
         names = () if estimate.found is None else _write(task, photo, estimate)
+        result = replace(result, thumbnail=thumbnail_of(photo, estimate))
         outputs = tuple(_described(task.place.folder, path) for path in names)
     except Exception as error:  # whatever a library or we raise costs this photo, not the run
         return replace(failure_of(error), sha256=sha256)
@@ -124,6 +126,7 @@ def _gather(task: Task, photo: Photo) -> Result:
         camera=_camera(photo),
         shot=read_shot(task.source),
         gathered=Gathered(evidence.to_json(), face_json(evidence), take_samples(photo.pixels)),
+        thumbnail=thumbnail_of(photo, None),
     )
 
 

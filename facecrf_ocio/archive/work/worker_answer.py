@@ -5,7 +5,16 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-from facecrf_ocio.archive.task import FAILED, GATHER, Gathered, Output, Result, Task, Timing
+from facecrf_ocio.archive.task import (
+    FAILED,
+    GATHER,
+    Gathered,
+    Output,
+    Result,
+    Task,
+    Thumbnail,
+    Timing,
+)
 from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.photo.shot import Shot
 from facecrf_ocio.values import Outcome, Verdict
@@ -15,6 +24,8 @@ _VERDICTS = frozenset(("", *map(str, Verdict)))
 _SHA256 = re.compile("[0-9a-f]{64}")
 _MOST = float(1 << 63)  # the manifest's whole numbers are below
 _LONGEST = 1 << 26  # [byte] evidence of a photo; real one takes less than 200 kB
+
+_LARGEST = 1 << 16  # [byte] a thumbnail; 96 pixels of noise take less than 10 kB
 
 
 def checked(task: Task, said: object) -> Result:
@@ -39,6 +50,7 @@ def checked(task: Task, said: object) -> Result:
     for number in (*_timing(said.timing), shot.taken, shot.exposure_s, shot.aperture, shot.iso):
         _require(_is_number(number))
     _require_outputs(task, said.outputs)
+    _require(said.thumbnail is None or _is_thumbnail(said.thumbnail))
     make, model, serial, software = map(plain_text, said.camera)
     return replace(
         said,
@@ -63,6 +75,12 @@ def _is_evidence(task: Task, said: Result) -> bool:
     if not texts or not isinstance(gathered.samples, bytes):
         return False
     return len(gathered.evidence) + len(gathered.face) + len(gathered.samples) < _LONGEST
+
+
+def _is_thumbnail(said: object) -> bool:
+    return isinstance(said, Thumbnail) and all(
+        isinstance(webp, bytes) and len(webp) < _LARGEST for webp in (said.before, said.after)
+    )
 
 
 def _require_outputs(task: Task, outputs: object) -> None:

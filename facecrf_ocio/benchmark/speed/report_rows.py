@@ -11,10 +11,11 @@ from pathlib import Path
 from PIL import Image
 
 from facecrf_ocio.archive.manifest.database import Manifest, Stamp
+from facecrf_ocio.archive.manifest.thumbnail_rows import keep_thumbnail
 from facecrf_ocio.archive.report import write_report
-from facecrf_ocio.archive.report.pictures import QUALITY, SIDE
 from facecrf_ocio.archive.report.write_report import LARGE
 from facecrf_ocio.archive.task import Result
+from facecrf_ocio.archive.thumbnail import QUALITY, SIDE, thumbnail_of
 from facecrf_ocio.benchmark.speed.race import race
 from facecrf_ocio.benchmark.speed.speed_row import SpeedRow
 from facecrf_ocio.benchmark.speed.subjects import portrait
@@ -62,6 +63,7 @@ def _archive(photos: Path, outputs: Path, count: int, megapixels: float) -> Path
     read = read_photo(first)
     estimate = calibrate(read)
     write_outputs(read, estimate, Settings(), outputs)
+    thumbnail = thumbnail_of(read, estimate)
     status, digest = first.stat(), sha256(first.read_bytes()).hexdigest()
     manifest = Manifest(outputs)
     manifest.note("source", str(photos))
@@ -71,9 +73,14 @@ def _archive(photos: Path, outputs: Path, count: int, megapixels: float) -> Path
             if number:
                 os.link(first, photos / name)
                 os.link(outputs / "0.jpg.crf.json", outputs / f"{name}.crf.json")
-            told = Result("calibrated", "weak", "joint", estimate.reason, sha256=digest)
+            told = Result(
+                *("calibrated", "weak", "joint", estimate.reason),
+                sha256=digest,
+                thumbnail=thumbnail,
+            )
             stamp = Stamp(status.st_size, status.st_mtime_ns, "recipe")
             manifest.finish(name, stamp, told)
+            keep_thumbnail(manifest, name, told)
     manifest.close()
     return first
 
