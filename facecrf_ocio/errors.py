@@ -75,6 +75,8 @@ class ExistsError(OutputError):
         super().__init__(f"{target}: {problem}; pass overwrite=True to replace it")
 
 
+IS_FOLDER = "is a folder"
+"""The problem of a path that a photo was expected at."""
 OVERWRITE = "pass --overwrite to replace it"
 """What commands advise where a file is in the way."""
 

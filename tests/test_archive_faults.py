@@ -103,7 +103,7 @@ def test_whatever_a_library_raises_costs_calibrate_that_photo_alone(
     assert ended.err == (
         f"facecrf: {photos[0]}: unexpected RuntimeError: decoder é broke; please report this\n"
     )
-    assert (out / "b.spi1d").is_file()
+    assert (out / "b.png.spi1d").is_file()
 
 
 # --- Outputs that are lost come back.
@@ -465,6 +465,7 @@ def test_a_manifest_of_the_version_before_is_understood(batch, facecrf, tmp_path
     batch()
     change(
         luts,
+        "DROP TABLE merges",
         "DROP INDEX outputs_alike",
         "ALTER TABLE outputs DROP COLUMN folded",
         "ALTER TABLE outputs DROP COLUMN written_ns",

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from facecrf_ocio.archive import run
 from facecrf_ocio.archive.task import Result, Task
+from facecrf_ocio.archive.work import hired
 from facecrf_ocio.archive.work.one_photo import process
 
 
@@ -44,4 +44,4 @@ class WorkersHere:
 @pytest.fixture
 def workers_here(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let runs work in this process."""
-    monkeypatch.setattr(run, "Workers", WorkersHere)
+    monkeypatch.setattr(hired, "Workers", WorkersHere)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 import click
 
 from facecrf_ocio.errors import (
+    IS_FOLDER,
     FaceCRFError,
     LutError,
     OutputError,
@@ -75,7 +76,7 @@ def problem_of(error: Exception) -> str:
 
     With FACECRF_DEBUG in the environment that one is raised again, for whoever looks for its place.
     """
-    if isinstance(error, PhotoError) and error.path is not None and error.path.is_dir():
+    if isinstance(error, PhotoError) and error.problem == IS_FOLDER:
         return f"{error}, or take all of it: facecrf batch"
     if isinstance(error, FaceCRFError):
         return error.on_command_line()

@@ -8,7 +8,7 @@ import zlib
 from pathlib import Path
 from typing import BinaryIO
 
-from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.errors import IS_FOLDER, PhotoError
 from facecrf_ocio.photo.suffixes import HEAD, kind_of
 
 MAX_MEGAPIXELS = 150
@@ -33,7 +33,7 @@ def check_file(path: Path) -> str:
     try:
         mode, size = path.stat().st_mode, path.stat().st_size
         if stat.S_ISDIR(mode):
-            raise PhotoError(path, "is a folder", "name a photo inside of it")
+            raise PhotoError(path, IS_FOLDER, "name a photo inside of it")
         if not stat.S_ISREG(mode):
             raise PhotoError(path, "is not a regular file", "name a photo")
         if size == 0:
