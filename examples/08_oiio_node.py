@@ -2,7 +2,7 @@
 OpenImageIO node
 ================
 
-An ImageBuf through a photo's LUT, half-float out, tagged as linear.
+An ImageBuf through a photo's LUT, half-float out; without a profile its primaries are unknown.
 """
 
 import sys
