@@ -60,12 +60,12 @@ def test_a_format_with_a_row_is_everywhere(tmp_path: Path) -> None:
     blind = ("--estimator", "srgb")
     ended = run(tmp_path, "calibrate", photo, "-o", "one", "--formats", "toy.spi1d", *blind)
     assert ended.returncode == 0, ended.stderr
-    assert (tmp_path / "one" / "a.toy.spi1d").is_file()
+    assert (tmp_path / "one" / "a.png.toy.spi1d").is_file()
     ended = run(tmp_path, "batch", photos, "-o", "all", *blind)
     assert ended.returncode == 0, ended.stderr
     assert (tmp_path / "all" / "a.png.toy.spi1d").is_file()
     toylut = tmp_path / "a.toylut"
-    toylut.write_bytes((tmp_path / "one" / "a.toy.spi1d").read_bytes())
+    toylut.write_bytes((tmp_path / "one" / "a.png.toy.spi1d").read_bytes())
     assert "warning: it is a toy; take another" in run(tmp_path, "lint", toylut).stdout
     config = run(tmp_path, "ocio-config", "one", "-o", "c.ocio")
     assert config.returncode == 0, config.stderr
