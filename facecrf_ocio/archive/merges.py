@@ -137,9 +137,7 @@ class _Merging:
         if problem is not None:
             self.tell(Event(name, problem, fresh=True, step=BRACKET))
         elif short:
-            reason = (
-                f"its exposures span {wanted.bracket.stops:.1f} stops, fewer than {MIN_STOPS:g}"
-            )
+            reason = f"its exposures span {span:.1f} stops, fewer than {MIN_STOPS:g}"
             self._record(task, wanted, Result(NOT_MERGED, reason=reason, remedy=_BY_HAND))
         else:
             self._submit(task, wanted)
@@ -192,7 +190,7 @@ class _Merging:
         with self.manifest.transaction():
             forget_merge(self.manifest, task.name, former or task.planned[0])
             merge_ends(self.manifest, row, result.outputs)
-        self.tell(Event(as_utf8(task.name), result, fresh=True, step=BRACKET))
+        self.tell(Event(task.name, result, fresh=True, step=BRACKET))
 
 
 def _series(job: Job, members: tuple[Exposure, ...]) -> Series:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from facecrf_ocio.cli.bracket_command import solve, stops_option
+from facecrf_ocio.cli.linearize_command import require_exr_free
 from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import PHOTO_PATH, exr_options
 from facecrf_ocio.cli.terminal import (
@@ -16,9 +17,7 @@ from facecrf_ocio.cli.terminal import (
     complain,
     ending_well,
     one_line,
-    require_writable,
 )
-from facecrf_ocio.errors import OutputError
 
 if TYPE_CHECKING:
     from facecrf_ocio.pair.calibrate_bracket import BracketEstimate
@@ -56,15 +55,11 @@ def merge(
     Photos are aligned, exposures by EXIF are refined by the pixels, noise decides how much each
     counts, and what moved is taken from the photo that shows most. 1 is that photo's white.
     """
-    from facecrf_ocio.files.atomic import require_free
     from facecrf_ocio.image.merged_exr import write_merged
     from facecrf_ocio.pair.bracket_pixels import with_stops
     from facecrf_ocio.pair.merge import refined_stops
 
-    if output.suffix.lower() != ".exr":
-        raise OutputError(f"{output}: is not named as OpenEXR; give it the suffix .exr")
-    require_free(output, overwrite=overwrite)
-    require_writable(output.parent)
+    require_exr_free(output, overwrite=overwrite)
     photos = tuple(dict.fromkeys(photos))
     with status(f"merging {len(photos)} photos"):
         solved = solve(photos, given)

@@ -23,6 +23,7 @@ from facecrf_ocio.archive.report.small_curves import (
     srgb_samples,
 )
 from facecrf_ocio.archive.thumbnail import SIDE
+from facecrf_ocio.response.stops import NINETY_PERCENT
 
 BLOCK = 50
 """Photos whose pictures stand in one block, which is parsed when one of them is shown."""
@@ -106,6 +107,7 @@ def render(
         "small": sum(1 for item in pictures.values() if item.before and not item.large),
         "srgb": srgb_samples(),
         "stopsRange": STOPS_RANGE,
+        "ninety": NINETY_PERCENT,
         "groups": [_group(group, curves) for group in archive.groups],
         "brackets": [_bracket(bracket, curves) for bracket in archive.brackets],
         "columns": columns,

@@ -11,16 +11,8 @@ function exposureTable(stops) {
   return values.join(" ");
 }
 function exposureFilter() {
-  const channel = (name) => svg(name, {type: "table", tableValues: exposureTable(0)});
-  return svg(
-    "svg",
-    {class: "filter", width: 0, height: 0, "aria-hidden": "true"},
-    svg(
-      "filter",
-      {id: "exposure", "color-interpolation-filters": "sRGB", x: 0, y: 0, width: 1, height: 1},
-      svg("feComponentTransfer", {}, channel("feFuncR"), channel("feFuncG"), channel("feFuncB")),
-    ),
-  );
+  const table = exposureTable(0);
+  return pixelFilter("exposure", byTables([table, table, table]));
 }
 function exposureButtons(stage, filter) {
   const buttons = EXPOSURES.map((stops) =>

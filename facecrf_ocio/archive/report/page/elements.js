@@ -36,6 +36,24 @@ const el = (tag, attributes, ...children) =>
   fill(document.createElement(tag), attributes, children);
 const svg = (tag, attributes, ...children) =>
   fill(document.createElementNS("http://www.w3.org/2000/svg", tag), attributes, children);
+// A filter of colors, to be named by its id in a style.
+const pixelFilter = (id, ...parts) =>
+  svg(
+    "svg",
+    {class: "filter", width: 0, height: 0, "aria-hidden": "true"},
+    svg(
+      "filter",
+      {id, "color-interpolation-filters": "sRGB", x: 0, y: 0, width: 1, height: 1},
+      ...parts,
+    ),
+  );
+// Red, green and blue each looked up in a table of their own.
+const byTables = (tables) =>
+  svg(
+    "feComponentTransfer",
+    {},
+    ...["R", "G", "B"].map((c, i) => svg(`feFunc${c}`, {type: "table", tableValues: tables[i]})),
+  );
 // Text of ours, in which what a user types stands between backticks.
 const typed = (text) => text.split("`").map((part, i) => (i % 2 ? el("code", {}, part) : part));
 // A table's row whose cells know their headings, which a phone shows beside them.

@@ -6,35 +6,21 @@ const UNSURE_COLORS = [
   [0.0, 0.25, 0.42, 0.57, 0.71, 0.83, 0.91, 0.99],
   [0.33, 0.53, 0.56, 0.55, 0.48, 0.35, 0.13, 0.14],
 ];
-const NINETY = 1.645;
 
 function unsureTables(index) {
   const channels = curveOf(index);
   const each = channels.length === 1 ? [channels[0], channels[0], channels[0]] : channels;
   return each.map(({halfStops}) =>
-    halfStops.map((v) => Math.min(v / NINETY / UNSURE_SHOWN, 1).toFixed(3)).join(" "),
+    halfStops.map((v) => Math.min(v / DATA.ninety / UNSURE_SHOWN, 1).toFixed(3)).join(" "),
   );
 }
 function unsureFilter(index) {
-  const transfer = (tables) =>
-    svg(
-      "feComponentTransfer",
-      {},
-      ...["R", "G", "B"].map((c, i) =>
-        svg(`feFunc${c}`, {type: "table", tableValues: tables[i]}),
-      ),
-    );
   const mean = "0.333 0.333 0.333 0 0 ".repeat(3);
-  return svg(
-    "svg",
-    {class: "filter", width: 0, height: 0, "aria-hidden": "true"},
-    svg(
-      "filter",
-      {id: "unsure", "color-interpolation-filters": "sRGB", x: 0, y: 0, width: 1, height: 1},
-      transfer(unsureTables(index)),
-      svg("feColorMatrix", {type: "matrix", values: `${mean}0 0 0 1 0`}),
-      transfer(UNSURE_COLORS.map((row) => row.join(" "))),
-    ),
+  return pixelFilter(
+    "unsure",
+    byTables(unsureTables(index)),
+    svg("feColorMatrix", {type: "matrix", values: `${mean}0 0 0 1 0`}),
+    byTables(UNSURE_COLORS.map((row) => row.join(" "))),
   );
 }
 function unsure(row) {
