@@ -7,7 +7,13 @@ from pathlib import Path
 
 # How texts name an argument of Python's: `stops=...`, `direction="encode"`, `overwrite=True`.
 _ARGUMENT = re.compile(r'\b([a-z][a-z_]*)=(?:\.\.\.|True|"([\w-]+)")')
-_OPTIONS = {"ca": "tls-ca", "corners_xy": "corners", "space": "to"}
+_OPTIONS = {
+    "ca": "tls-ca",
+    "corners_xy": "corners",
+    "space": "to",
+    "megabytes": "memory",
+    "seconds": "timeout",
+}
 """Options of commands that are not called as the arguments are."""
 
 
@@ -18,9 +24,20 @@ class FaceCRFError(Exception):
     """
 
     def on_command_line(self) -> str:
-        """The same text as commands tell it; only what follows the last semicolon is advice."""
-        problem, semicolon, advice = str(self).rpartition("; ")
-        return problem + semicolon + _ARGUMENT.sub(_option, advice)
+        """The same text as commands tell it."""
+        return in_options(str(self))
+
+
+def in_options(text: str, command: str = "") -> str:
+    """Say with options of commands what is advised with arguments of Python's.
+
+    Only what follows the last semicolon is advice. `command` is the one that has the options, where
+    it is told by another command or on a page.
+    """
+    problem, semicolon, advice = text.rpartition("; ")
+    told = _ARGUMENT.sub(_option, advice)
+    whose = f" (of `{command}`)" if command and told != advice else ""
+    return problem + semicolon + told + whose
 
 
 def _option(argument: re.Match[str]) -> str:
@@ -72,13 +89,13 @@ class ExistsError(OutputError):
     def __init__(self, target: Path, problem: str = "exists already") -> None:
         self.target = target
         self.problem = problem
-        super().__init__(f"{target}: {problem}; pass overwrite=True to replace it")
+        super().__init__(f"{target}: {problem}; {OVERWRITE}")
 
 
 IS_FOLDER = "is a folder"
 """The problem of a path that a photo was expected at."""
-OVERWRITE = "pass --overwrite to replace it"
-"""What commands advise where a file is in the way."""
+OVERWRITE = "pass overwrite=True to replace it"
+"""What is advised where a file is in the way."""
 
 
 class SettingsError(FaceCRFError):

@@ -419,6 +419,7 @@ POOLED = (
         "UPDATE photos SET camera = 'c1', curve = 'camera', misfit = 0.5, make = 'Nikon', "
         "model = 'D70' WHERE name LIKE 'sub/%'",
     ),
+    ("UPDATE photos SET make = 'Nikon', model = 'D100' WHERE name = 'film.jpg'",),
     ("UPDATE photos SET misfit = 4.25, curve = 'own' WHERE name = 'sub/n001.png'",),
     ("UPDATE photos SET bracket = 'film.jpg', duplicate_of = 'film.jpg' WHERE name = 'gone.png'",),
 )
@@ -569,6 +570,19 @@ def test_a_reader_searches_sorts_filters_and_turns_pages(window):
     page.one("#search").send_keys("nothing has this name")
     page.wait(lambda: page.names == [])
     assert "No photo matches" in page.count
+
+
+@pytest.mark.slow
+def test_cameras_come_in_the_order_of_their_numbers(window):
+    page = Page(window)
+    page.one("[data-key=camera] button").click()
+    first = page.names
+    assert "film.jpg" not in first
+    page.one(".pager [data-step=Next]").click()
+    named = [name for name in (*first, *page.names) if name == "film.jpg" or "sub/" in name]
+    assert named[-1] == "film.jpg"  # of the D100, behind the photos of the D70
+    options = [each.text for each in page.all("#camera option")]
+    assert options[-2:] == ["Nikon D70", "Nikon D100"]
 
 
 @pytest.mark.slow

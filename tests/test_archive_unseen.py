@@ -47,6 +47,13 @@ def reasons(output: Path) -> dict[str, str]:
     return found
 
 
+def remedies(output: Path) -> set[str]:
+    base = sqlite3.connect(output / FILE)
+    found = {row[0] for row in base.execute("SELECT remedy FROM photos WHERE outcome = 'failed'")}
+    base.close()
+    return found
+
+
 def told(err: str) -> list[str]:
     return [line for line in err.splitlines() if line.startswith("facecrf: ")]
 
@@ -64,6 +71,10 @@ def test_a_folder_that_cannot_be_read_costs_its_own_photos(
     assert (ended.code, told(ended.err)) == (3, [line])
     assert (tmp_path / "luts" / "a.png.spi1d").exists()
     assert set(reasons(tmp_path / "luts")) == {"locked"}
+    assert remedies(tmp_path / "luts") == {"allow reading it, or leave it out with exclude=..."}
+    assert facecrf("report", tmp_path / "luts").code == 0
+    page = (tmp_path / "luts" / "facecrf-report.html").read_text(encoding="utf-8")
+    assert "allow reading it, or leave it out with --exclude (of `facecrf batch`)" in page
     assert told(facecrf(*run).err) == [line]
     assert told(facecrf(*run, "--exclude", "locked").err) == []
     # With the permission given it is gone from the list, and its photo is done.
@@ -184,6 +195,8 @@ def test_a_failure_without_a_path_of_its_own_tells_what_to_do(facecrf, source, t
         "use a smaller version of it, or raise --memory and pass --retry"
         for name in ("a.png", "locked/b.png")
     ]
+    advice = "use a smaller version of it, or raise megabytes=... and pass retry=True"
+    assert remedies(tmp_path / "luts") == {advice}
 
 
 def test_a_check_changes_nothing_and_goes_on_where_a_file_cannot_be_read(

@@ -10,7 +10,7 @@ from facecrf_ocio import Confidence, Estimate, InverseCRF, NotCalibratedError, O
 from facecrf_ocio.cli.explain_command import TOPIC_NAMES
 from facecrf_ocio.cli.facecrf import main
 from facecrf_ocio.color.srgb import decode_srgb
-from facecrf_ocio.errors import SettingsError
+from facecrf_ocio.errors import SettingsError, in_options
 from facecrf_ocio.values import InStops
 from facecrf_ocio.wording.expectation import expectation
 from facecrf_ocio.wording.explanations import TOPICS, explanation
@@ -111,7 +111,18 @@ def test_every_verdict_and_outcome_is_explained():
         ),
         ("tls://a: is silent; speak TLS (ca=...)", "tls://a: is silent; speak TLS (--tls-ca)"),
         ("a=True.jpg: is empty; copy it again", "a=True.jpg: is empty; copy it again"),
+        (
+            "a.jpg: took long; raise seconds=... and pass retry=True",
+            "a.jpg: took long; raise --timeout and pass --retry",
+        ),
     ],
 )
 def test_what_python_calls_an_argument_is_an_option_on_the_command_line(text, told):
     assert SettingsError(text).on_command_line() == told
+
+
+def test_where_a_command_lacks_the_option_the_one_that_has_it_is_named():
+    assert in_options("leave it out with exclude=...", "facecrf batch") == (
+        "leave it out with --exclude (of `facecrf batch`)"
+    )
+    assert in_options("copy it again", "facecrf batch") == "copy it again"

@@ -7,7 +7,7 @@ import io
 from pathlib import Path
 
 from facecrf_ocio.archive.manifest.read_only import Fields, reading
-from facecrf_ocio.errors import OutputError
+from facecrf_ocio.errors import OutputError, in_options
 from facecrf_ocio.files.atomic import Draft, require_free, write_files
 
 _TEXTS = (
@@ -16,7 +16,7 @@ _TEXTS = (
 )
 _NUMBERS = ("misfit", "read_s", "estimate_s", "write_s")
 COLUMNS = (*_TEXTS, "size", *_NUMBERS, "outputs")
-"""As the manifest names them, and the number of outputs."""
+"""As the manifest names them, and the number of outputs; what is advised in words of commands."""
 
 
 def require_list(path: Path, *, overwrite: bool) -> None:
@@ -63,4 +63,10 @@ def write_list(folder: Path, path: Path) -> None:
 def _row(fields: Fields, outputs: int) -> list[object]:
     numbers = [round(fields.number(name), 3) for name in _NUMBERS]
     size = max(fields.whole("size"), 0)
-    return [*(fields.text(name) for name in _TEXTS), size, *numbers, outputs]
+    texts = (_text(fields, name) for name in _TEXTS)
+    return [*texts, size, *numbers, outputs]
+
+
+def _text(fields: Fields, name: str) -> str:
+    text = fields.text(name)
+    return in_options(text) if name == "remedy" else text

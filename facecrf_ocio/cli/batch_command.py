@@ -32,7 +32,7 @@ from facecrf_ocio.cli.terminal import (
     one_line,
     tell_json,
 )
-from facecrf_ocio.errors import LutError
+from facecrf_ocio.errors import LutError, in_options
 from facecrf_ocio.files.threads import usable_cores
 
 if TYPE_CHECKING:
@@ -215,7 +215,7 @@ def _tell(source: Path, event: Event) -> None:
         verdict=result.verdict or None,
         estimator=result.estimator,
         reason=result.reason,
-        remedy=result.remedy,
+        remedy=in_options(result.remedy),
         fresh=event.fresh,
         files=[file.name for file in result.outputs],
     )
@@ -227,7 +227,7 @@ def _tell_bracket(source: Path, event: Event) -> None:
     code = {"failed": UNREADABLE, "merged": DONE}.get(result.outcome, NOTHING)
     told: dict[str, Any] = {"outcome": result.outcome, "reason": result.reason}
     files = [file.name for file in result.outputs]
-    told |= {"remedy": result.remedy, "fresh": event.fresh, "files": files}
+    told |= {"remedy": in_options(result.remedy), "fresh": event.fresh, "files": files}
     tell_json(source / event.name, code, bracket=True, **told)
 
 

@@ -11,6 +11,7 @@ import click
 
 from facecrf_ocio.archive.walk import Passed, as_utf8
 from facecrf_ocio.cli.live import Bar, in_words
+from facecrf_ocio.errors import in_options
 from facecrf_ocio.files.plain_text import counted, one_line
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ def _passed_over(passed: Passed) -> Iterator[str]:
 def _failure(event: Event) -> str:
     """Which photo, what is wrong and what to do."""
     told = f"{as_utf8(event.name)}: failed: {event.result.reason}"
-    return "; ".join(filter(None, (told, event.result.remedy)))
+    return "; ".join(filter(None, (told, in_options(event.result.remedy))))
 
 
 def kind_of(outcome: str, verdict: str) -> str:

@@ -11,6 +11,7 @@ import click
 from facecrf_ocio.archive.walk import as_utf8
 from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.terminal import DONE, FAILED, complain, ending_well, one_line
+from facecrf_ocio.errors import in_options
 from facecrf_ocio.files.plain_text import counted
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def verify(folder: Path, as_json: bool, repair: bool) -> int:
         with status(f"making {counted(len(faults), 'file')} of {folder} again"):
             problems = make_again(folder, faults)
         for problem in problems:
-            complain(problem, FAILED)
+            complain(in_options(problem, "facecrf batch"), FAILED)
         faults = list(faults_in(folder))
         for fault in faults:
             _tell(fault, as_json)

@@ -10,6 +10,7 @@ from pathlib import Path
 from facecrf_ocio.archive.manifest.database import DONE
 from facecrf_ocio.archive.manifest.read_only import Fields, reading
 from facecrf_ocio.archive.task import FAILED
+from facecrf_ocio.errors import in_options
 
 KINDS = ("reliable", "weak", "prior only", "no curve", "failed", "unfinished")
 
@@ -157,7 +158,7 @@ def _row(fields: Fields) -> Row:
         outcome=fields.text("outcome"),
         estimator=fields.text("estimator"),
         reason=fields.text("reason"),
-        remedy=fields.text("remedy"),
+        remedy=in_options(fields.text("remedy"), "facecrf batch"),
         camera=_camera(fields),
         seconds=sum(fields.number(name) for name in ("read_s", "estimate_s", "write_s")),
         duplicate_of=fields.name("duplicate_of"),

@@ -141,10 +141,10 @@ class Workers:
             return self._crashed(worker)
         if worker.ready and monotonic() - worker.since > self.limits.seconds:
             reason = f"took longer than {self.limits.seconds:g} s and was stopped"
-            return self._stopped(worker, reason, "--timeout")
+            return self._stopped(worker, reason, "seconds=...")
         if _resident_megabytes(worker.process.pid) > self.limits.megabytes:
             reason = f"needed more than {self.limits.megabytes} MB of memory and was stopped"
-            return self._stopped(worker, reason, "--memory")
+            return self._stopped(worker, reason, "megabytes=...")
         return None
 
     def _answered(self, worker: _Worker, result: Result) -> tuple[Task, Result]:
@@ -174,7 +174,7 @@ class Workers:
         task = worker.task
         self._dismiss(worker)
         assert task is not None  # noqa: S101
-        remedy = f"use a smaller version of it, or raise {limit} and pass --retry"
+        remedy = f"use a smaller version of it, or raise {limit} and pass retry=True"
         return task, Result(FAILED, reason=reason, remedy=remedy)
 
     def _dismiss(self, worker: _Worker) -> None:

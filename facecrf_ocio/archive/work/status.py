@@ -8,7 +8,7 @@ from pathlib import Path
 
 from facecrf_ocio.errors import PhotoError, reason_of
 
-_LEAVE_OUT = "allow reading it, or leave it out with --exclude"
+_LEAVE_OUT = "allow reading it, or leave it out with exclude=..."
 
 
 def status_of(path: Path) -> os.stat_result:

@@ -68,7 +68,7 @@ function choose() {
       const [p, q] = [keys.get(a), keys.get(b)];
       if (p === q) return a - b;
       if (p === null || q === null) return p === null ? 1 : -1; // what says nothing comes last
-      return (p < q ? -1 : 1) * sign;
+      return (typeof p === "string" ? inOrder(p, q) : p - q) * sign;
     });
   }
 }

@@ -8,6 +8,8 @@ const word = (column, row) => DATA.words[C[column][row]];
 const plural = (n, one, many) => `${count(n)} ${n === 1 ? one : many || one + "s"}`;
 const numbers = new Intl.NumberFormat("en");
 const count = (n) => numbers.format(n);
+// As people order names: EOS 5D before EOS 10D.
+const inOrder = new Intl.Collator("en", {numeric: true}).compare;
 const percent = (n) => {
   const share = (100 * n) / Math.max(N, 1);
   return n && share < 0.1 ? "< 0.1 %" : `${share.toFixed(share < 10 && share > 0 ? 1 : 0)} %`;

@@ -7,7 +7,7 @@ function drawFilters() {
     option("-1", "all verdicts"),
     ...DATA.kinds.map((name, kind) => option(String(kind), `${name} (${count(counts[kind])})`)),
   );
-  const list = [...cameras.keys()].sort((a, b) => (a < b ? -1 : 1));
+  const list = [...cameras.keys()].sort(inOrder);
   byId("camera").replaceChildren(
     option("", "all cameras"),
     ...list.map((name, i) => option(String(i), name || "unknown")),
