@@ -15,11 +15,11 @@ _XMP = b"http://ns.adobe.com/xap/1.0/\0"
 _ISO = b"urn:iso:std:iso:ts:21496:-1\0"
 
 
-def jpeg(codes: npt.NDArray[np.uint8], icc: bytes = b"", *, halved: bool = False) -> bytes:
-    """Of the best quality; `halved` color differences (4:2:0) are what phones write."""
+def jpeg(codes: npt.NDArray[np.uint8], icc: bytes = b"", *, sampling: str = "4:4:4") -> bytes:
+    """Of the best quality; phones write color differences halved in both directions (4:2:0)."""
     out = BytesIO()
     profile = {"icc_profile": icc} if icc else {}
-    Image.fromarray(codes).save(out, "JPEG", quality=100, subsampling=2 * halved, **profile)
+    Image.fromarray(codes).save(out, "JPEG", quality=100, subsampling=sampling, **profile)
     return out.getvalue()
 
 
@@ -81,11 +81,11 @@ def with_gain_map(
     *,
     base_icc: bytes = b"",
     map_icc: bytes = b"",
-    halved: bool = False,
+    sampling: str = "4:4:4",
 ) -> bytes:
     """An Ultra HDR JPEG: two pictures, and segments that say so (CIPA DC-007, Google's XMP)."""
     gain_map = with_segments(jpeg(values, map_icc), numbers)
-    encoded = jpeg(base, base_icc, halved=halved)
+    encoded = jpeg(base, base_icc, sampling=sampling)
     container = xmp(
         'hdrgm:Version="1.0"',
         "<Container:Directory><rdf:Seq>"

@@ -66,11 +66,15 @@ def test_the_rendition_is_that_of_libultrahdr(tmp_path: Path, numbers: bytes, co
     assert error_of(path).max() < 0.01
 
 
-def test_halved_color_differences_stand_for_four_pixels_each(tmp_path: Path) -> None:
+@pytest.mark.parametrize("width", [127, 128])
+@pytest.mark.parametrize("sampling", ["4:2:0", "4:2:2"])
+def test_halved_color_differences_stand_for_two_or_four_pixels_each(
+    tmp_path: Path, sampling: str, width: int
+) -> None:
     colorful = np.random.default_rng(0).integers(30, 220, (12, 16, 3)).astype(np.uint8)
-    base = colorful.repeat(8, axis=0).repeat(8, axis=1)[:95, :127].copy()
+    base = colorful.repeat(8, axis=0).repeat(8, axis=1)[:95, :width].copy()
     path = tmp_path / "a.jpg"
-    path.write_bytes(with_gain_map(base, VALUES[:95, :127].copy(), XMP, halved=True))
+    path.write_bytes(with_gain_map(base, VALUES[:95, :width].copy(), XMP, sampling=sampling))
     assert error_of(path).max() < 0.01
 
 
