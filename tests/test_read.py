@@ -35,6 +35,15 @@ class TestCodeValues:
         assert (photo.bit_depth, photo.scene_linear, photo.grayscale) == (8, False, False)
         assert photo.alpha is None
 
+    @pytest.mark.parametrize("progressive", [False, True])
+    def test_a_jpeg_read_in_several_bands_is_that_read_at_once(
+        self, tmp_path: Path, progressive: bool
+    ) -> None:
+        codes = np.tile(random_codes(), (9, 2, 1))[:150]  # rows: neither of bands nor of blocks
+        Image.fromarray(codes).save(tmp_path / "a.jpg", quality=85, progressive=progressive)
+        expected = np.asarray(Image.open(tmp_path / "a.jpg"))
+        assert np.array_equal(read_photo(tmp_path / "a.jpg").pixels, expected)
+
     def test_jpeg_is_decoded_as_pillow_does(self, tmp_path: Path) -> None:
         Image.fromarray(random_codes()).save(tmp_path / "a.jpg", quality=90)
         expected = np.asarray(Image.open(tmp_path / "a.jpg"))
