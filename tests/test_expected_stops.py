@@ -10,6 +10,7 @@ from facecrf_ocio.response.expected_stops import (
     expected_of_sigma,
     rising,
     share_nearer,
+    stops_of_draws,
 )
 from facecrf_ocio.response.stops import stops_error
 from facecrf_ocio.values import InverseCRF
@@ -24,7 +25,7 @@ def powers(count=400, deviation=0.1, center=2.2, seed=0):
 
 def test_deviations_are_those_of_the_exponent_times_the_stops_of_the_code():
     exponents, draws = powers()
-    told = expected_of_draws(GRID**2.2, draws)
+    told = expected_of_draws(GRID**2.2, stops_of_draws(draws))
     deviation = np.quantile(np.abs(exponents - 2.2), 0.6827)
     for code in (16, 40, 64, 200, 235):
         expected = deviation * abs(np.log2(code / 128))
@@ -35,14 +36,14 @@ def test_deviations_are_those_of_the_exponent_times_the_stops_of_the_code():
 def test_the_expected_error_is_the_median_of_the_errors_of_the_draws():
     _, draws = powers(50)
     errors = [stops_error(GRID**2.2, draw) for draw in draws]
-    told = expected_of_draws(GRID**2.2, draws)
+    told = expected_of_draws(GRID**2.2, stops_of_draws(draws))
     assert told.mid == pytest.approx(np.median([error.mid for error in errors]))
     assert told.shadows == pytest.approx(np.median([error.shadows for error in errors]))
 
 
 def test_an_estimate_beside_the_draws_has_more_to_expect():
     _, draws = powers()
-    near, far = (expected_of_draws(GRID**e, draws) for e in (2.2, 2.6))
+    near, far = (expected_of_draws(GRID**e, stops_of_draws(draws)) for e in (2.2, 2.6))
     assert far.mid > 3 * near.mid
     assert (far.sigma[0, 16:120] > near.sigma[0, 16:120]).all()
 
@@ -75,5 +76,5 @@ def test_nothing_deviates_where_nothing_was_estimated():
 
 def test_the_share_is_that_of_the_truths_nearer_to_the_curve():
     exponents, draws = powers()
-    share = share_nearer(GRID**2.2, GRID**2.4, draws)
+    share = share_nearer(GRID**2.2, GRID**2.4, stops_of_draws(draws))
     assert share == pytest.approx(np.mean(exponents < 2.3), abs=0.01)

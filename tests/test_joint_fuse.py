@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from facecrf_ocio.joint.cue_weights import agreeing_shares, squared_distance
+from facecrf_ocio.joint.cue_weights import agreeing_shares, squared_distances
 from facecrf_ocio.joint.fuse import average, multiply
 from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior
 
@@ -64,12 +64,32 @@ def test_a_message_that_contradicts_the_others_counts_less():
     assert min(shares[name] for name in messages) > 0.5
 
 
+@given(st.lists(NUMBERS, min_size=2, max_size=5))
+def test_shares_are_those_of_distances_from_the_product_of_the_others_three_times_over(centers):
+    messages = {str(i): message(c, i + 1.0) for i, c in enumerate(centers)}
+    shares = dict.fromkeys(messages, 1.0)
+    for _ in range(3):
+        distances = {}
+        for name, one in messages.items():
+            others = [other for other in messages if other != name]
+            joined = multiply([messages[o] for o in others], [shares[o] for o in others])
+            left = PRIOR.posterior(joined, WEIGHTS)
+            offset = one.mean - left.mean
+            spread = left.covariance + np.diag(1.0 / one.precision)
+            distances[name] = offset @ np.linalg.solve(spread, offset)
+        shares = {name: min(1.0, (4 + SIZE) / (4 + d)) for name, d in distances.items()}
+    found = agreeing_shares(messages, PRIOR, WEIGHTS)
+    assert np.allclose(list(found.values()), list(shares.values()), rtol=1e-10)
+
+
 def test_one_message_alone_cannot_be_contradicted():
     assert agreeing_shares({"a": message(100.0)}, PRIOR, WEIGHTS) == {"a": 1.0}
 
 
 def test_the_distance_counts_both_spreads():
-    distance = squared_distance(message(2.0, 0.5), None, PRIOR, WEIGHTS)
+    one = message(2.0, 0.5)
+    left = np.zeros((1, SIZE)), 4.0 * np.eye(SIZE)[None]
+    distance = squared_distances(one.mean[None], one.precision[None], *left)
     assert np.isclose(distance, SIZE * 4.0 / (4.0 + 2.0))
 
 

@@ -49,6 +49,15 @@ def test_the_posterior_is_the_product_of_prior_and_message():
     assert np.allclose(posterior.covariance, covariance, atol=1e-6)
 
 
+def test_several_messages_at_once_leave_what_each_leaves_alone():
+    means, precisions = np.array([[0.4, -0.3], [2.0, 1.0]]), np.array([[2.0, 0.7], [1e-3, 50.0]])
+    mean, covariance = PRIOR.posteriors(means, precisions, PRIOR.weights)
+    for number, message in enumerate(map(Message, means, precisions)):
+        alone = PRIOR.posterior(message, PRIOR.weights)
+        assert np.allclose(mean[number], alone.mean, rtol=1e-12)
+        assert np.allclose(covariance[number], alone.covariance, rtol=1e-12)
+
+
 def test_without_a_message_the_posterior_is_the_prior():
     posterior = PRIOR.posterior(None, PRIOR.weights)
     assert np.allclose(posterior.mean, PRIOR.weights @ PRIOR.means)

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from facecrf_ocio.joint.fuse import multiply
-from facecrf_ocio.joint.prior import FamilyPrior, Message
+from facecrf_ocio.joint.prior import FamilyPrior, Message, diagonal
 from facecrf_ocio.values import Float
 
 # Degrees of freedom of the t distribution that stands behind each Gaussian message.
@@ -23,33 +22,32 @@ def agreeing_shares(
     The distance is measured between a message and the posterior without it, in units of both
     spreads; the share is the weight of a multivariate t distribution at that distance.
     """
-    shares = dict.fromkeys(messages, 1.0)
     if len(messages) < 2:
-        return shares
+        return dict.fromkeys(messages, 1.0)
+    said = list(messages.values())
+    means = np.array([message.mean for message in said])
+    precisions = np.array([message.precision for message in said])
+    others = 1.0 - np.eye(len(said))
+    shares = np.ones(len(said))
     for _ in range(_ROUNDS):
-        shares = {name: _share(name, messages, shares, prior, weights) for name in messages}
-    return shares
+        joined = (others * shares) @ precisions
+        pulls = (others * shares) @ (precisions * means)
+        left = prior.posteriors(pulls / joined, joined, weights)
+        distances = squared_distances(means, precisions, *left)
+        shares = np.minimum(1.0, (_FREEDOM + means.shape[1]) / (_FREEDOM + distances))
+    return dict(zip(messages, shares.tolist(), strict=True))
 
 
-def _share(
-    name: str,
-    messages: Mapping[str, Message],
-    shares: Mapping[str, float],
-    prior: FamilyPrior,
-    weights: Float,
-) -> float:
-    others = [other for other in messages if other != name]
-    joined = multiply([messages[o] for o in others], [shares[o] for o in others])
-    distance = squared_distance(messages[name], joined, prior, weights)
-    size = prior.means.shape[1]
-    return float(min(1.0, (_FREEDOM + size) / (_FREEDOM + distance)))
+def squared_distances(means: Float, precisions: Float, centers: Float, covariances: Float) -> Float:
+    """(C,) squared Mahalanobis distance of each message from what the others leave.
 
-
-def squared_distance(
-    message: Message, others: Message | None, prior: FamilyPrior, weights: Float
-) -> float:
-    """Squared Mahalanobis distance of a message from the posterior that others leave."""
-    posterior = prior.posterior(others, weights)
-    spread = posterior.covariance + np.diag(1.0 / message.precision)
-    offset = message.mean - posterior.mean
-    return float(offset @ np.linalg.solve(spread, offset))
+    Parameters
+    ----------
+    means, precisions
+        (C, M) of the messages.
+    centers, covariances
+        (C, M), (C, M, M) of the posterior without each.
+    """
+    offsets = means - centers
+    spreads = covariances + diagonal(1.0 / precisions)
+    return np.asarray((offsets * np.linalg.solve(spreads, offsets[..., None])[..., 0]).sum(axis=1))

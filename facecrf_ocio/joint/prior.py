@@ -65,16 +65,43 @@ class Posterior:
         `precisions` are the inverse covariances, where they are known.
         """
         precisions = np.linalg.inv(self.covariances) if precisions is None else precisions
-        covariances = np.linalg.inv(precisions + np.diag(message.precision))
-        pull = np.einsum("kmn,kn->km", precisions, self.means) + message.precision * message.mean
-        means = np.einsum("kmn,kn->km", covariances, pull)
-        spread = self.covariances + np.diag(1.0 / message.precision)
-        offset = self.means - message.mean
-        fit = np.einsum("km,km->k", offset, np.linalg.solve(spread, offset[..., None])[..., 0])
+        before = _Components(self.weights, self.means, precisions)
+        shares, means, covariances = before.times(message.mean[None], message.precision[None])
+        return Posterior(shares[0], means[0], covariances[0])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Components:
+    """A Gaussian mixture by the inverse covariances of its components, (K, M, M)."""
+
+    weights: Float
+    means: Float
+    precisions: Float
+
+    def times(self, means: Float, precisions: Float) -> tuple[Float, Float, Float]:
+        """Weights (C, K), means and covariances after each of C likelihoods, each (C, M).
+
+        A message's own offset and determinant follow from the inverse that the product needs
+        (Woodbury), so that each component is inverted once.
+        """
+        after = self.precisions + diagonal(precisions)[:, None]
+        covariances = np.linalg.inv(after)
+        pull = (self.precisions @ self.means[..., None])[..., 0] + (precisions * means)[:, None]
+        centers = (covariances @ pull[..., None])[..., 0]
+        offset = self.means - means[:, None]
+        pulled = precisions[:, None] * offset
+        known = (covariances @ pulled[..., None])[..., 0]
+        fit = ((offset - known) * pulled).sum(axis=-1)
+        volume = np.linalg.slogdet(after)[1] - np.linalg.slogdet(self.precisions)[1]
         with np.errstate(divide="ignore"):
-            logs = np.log(self.weights) - 0.5 * (fit + np.linalg.slogdet(spread)[1])
-        share = np.exp(logs - logs.max())
-        return Posterior(share / share.sum(), means, covariances)
+            logs = np.log(self.weights) - 0.5 * (fit + volume)
+        shares = np.exp(logs - logs.max(axis=1, keepdims=True))
+        return shares / shares.sum(axis=1, keepdims=True), centers, covariances
+
+
+def diagonal(values: Float) -> Float:
+    """(..., M, M) of values (..., M) on the diagonal."""
+    return np.asarray(values[..., None] * np.eye(values.shape[-1]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -148,6 +175,18 @@ class FamilyPrior:
         """What a likelihood leaves of the prior."""
         before = Posterior(weights, self.means, self.covariances)
         return before if message is None else before.times(message, _precisions(self))
+
+    def posteriors(self, means: Float, precisions: Float, weights: Float) -> tuple[Float, Float]:
+        """Mean (C, M) and covariance (C, M, M) of what each of C likelihoods leaves of the prior.
+
+        As `posterior` gives them one by one, in a fraction of the time.
+        """
+        before = _Components(weights, self.means, _precisions(self))
+        shares, centers, covariances = before.times(means, precisions)
+        mean = (shares[..., None] * centers).sum(axis=1)
+        offset = centers - mean[:, None]
+        within = np.einsum("ck,ckmn->cmn", shares, covariances)
+        return mean, within + np.einsum("ck,ckm,ckn->cmn", shares, offset, offset)
 
     def deviations(self, posterior: Posterior) -> Float:
         """(K,) standard deviation of the posterior's curves on the grid.

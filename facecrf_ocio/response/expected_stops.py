@@ -36,15 +36,20 @@ def rising(draws: Float) -> Float:
     return np.asarray(np.maximum(chosen, 0.0))
 
 
-def expected_of_draws(curve: Float, draws: Float) -> InStops:
+def stops_of_draws(draws: Float) -> Float:
+    """(N, 256) light in stops (`log_light`) of curves (N, L), each of one channel."""
+    return log_light(draws[:, None])[:, 0]
+
+
+def expected_of_draws(curve: Float, truths: Float) -> InStops:
     """What to expect of an estimate, given curves that may be the truth.
 
     Parameters
     ----------
     curve
         (K,) the estimate, one for all channels, at uniform encoded values.
-    draws
-        (N, L) possible truths, as `rising` gives them.
+    truths
+        (N, 256) possible truths, as `stops_of_draws` gives them.
 
     Returns
     -------
@@ -52,7 +57,7 @@ def expected_of_draws(curve: Float, draws: Float) -> InStops:
         Deviations are half the range that holds 68 % of the draws, errors are medians over the
         draws: a few draws with crushed shadows would decide means.
     """
-    errors = np.abs(log_light(draws[:, None])[:, 0] - log_light(curve))
+    errors = np.abs(truths - log_light(curve))
     sigma = np.quantile(errors, _WITHIN_ONE, axis=0)
     mid, shadows = (
         float(np.median(errors[:, first : last + 1].mean(axis=1)))
@@ -102,14 +107,14 @@ def _prior_spread(model: ResponseModel) -> InStops:
         generator.multivariate_normal(mean, covariance, _DRAWS)
         for mean, covariance in zip(mixture.means, mixture.covariances, strict=True)
     ]
-    return expected_of_draws(model.mean, rising(model.samples(np.concatenate(drawn))))
+    draws = rising(model.samples(np.concatenate(drawn)))
+    return expected_of_draws(model.mean, stops_of_draws(draws))
 
 
-def share_nearer(curve: Float, other: Float, draws: Float) -> float:
-    """Share of possible truths (N, L) to which a curve (K,) is nearer than another, in stops."""
-    truth = log_light(draws[:, None])[:, 0]
+def share_nearer(curve: Float, other: Float, truths: Float) -> float:
+    """Share of possible truths (N, 256) to which a curve (K,) is nearer than another, in stops."""
+    span = slice(MID_CODES[0], MID_CODES[1] + 1)
     ours, theirs = (
-        np.abs(truth - log_light(one))[:, MID_CODES[0] : MID_CODES[1] + 1].mean(axis=1)
-        for one in (curve, other)
+        np.abs(truths[:, span] - log_light(one)[span]).mean(axis=1) for one in (curve, other)
     )
     return float((ours < theirs).mean())
