@@ -82,6 +82,21 @@ def test_curve_and_matrix_come_back():
     assert found.estimate.confidence.verdict is Verdict.RELIABLE
 
 
+def with_own_curves(exponents):
+    """The verdict of a pair whose channels have powers of their own, none of them at white."""
+    curves = np.array([0.1 * GRID + 0.9 * GRID**one for one in exponents])
+    linear = 0.5 * scene(8)
+    return calibrate_pair(linear_photo(linear), stored(develop(linear, curves, np.eye(3))))
+
+
+def test_the_verdict_is_that_of_the_told_error():
+    alike = with_own_curves((2.4, 2.4, 2.4)).estimate.confidence
+    apart = with_own_curves((1.6, 2.4, 3.2)).estimate.confidence
+    assert alike.in_stops.mid < 0.1 < apart.in_stops.mid
+    assert alike.verdict is Verdict.RELIABLE
+    assert apart.verdict is Verdict.WEAK
+
+
 @pytest.mark.parametrize("tint", [(0.9, 0.5, 0.3), (0.35, 0.6, 0.4)])
 def test_equal_curves_stay_equal_where_no_channel_reaches_white(tint):
     """Gains are free, so it is the way to white that decides whether grays keep a cast."""

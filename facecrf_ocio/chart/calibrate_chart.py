@@ -15,8 +15,9 @@ from facecrf_ocio.chart.reflectances import EDITIONS, GRAYS, reflectances
 from facecrf_ocio.errors import PhotoError, SettingsError
 from facecrf_ocio.joint.metadata import modern_leaning, phone_leaning
 from facecrf_ocio.joint.prior import FamilyPrior, shipped_prior
-from facecrf_ocio.joint.verdict import judge, verdict_of
+from facecrf_ocio.joint.verdict import judge
 from facecrf_ocio.response.coverage import coverage_at, coverage_counts
+from facecrf_ocio.response.expected_stops import verdict_of
 from facecrf_ocio.response.model import inverse_crf
 from facecrf_ocio.values import (
     CHANNELS,

@@ -19,8 +19,9 @@ from facecrf_ocio.joint.fuse import average, multiply, widened
 from facecrf_ocio.joint.known_response import KnownResponse, known_response
 from facecrf_ocio.joint.messages import COMBINED, Networks, networks_of
 from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior, prior_of
-from facecrf_ocio.joint.verdict import deviations, doubted, judge, not_single, verdict_of
+from facecrf_ocio.joint.verdict import deviations, doubted, judge, not_single
 from facecrf_ocio.response.coverage import coverage_at
+from facecrf_ocio.response.expected_stops import verdict_of
 from facecrf_ocio.response.model import inverse_crf, strictly_increasing
 from facecrf_ocio.values import (
     CHANNELS,

@@ -21,21 +21,12 @@ from facecrf_ocio.response.expected_stops import (
 )
 from facecrf_ocio.values import Confidence, Float, InStops, InverseCRF, Verdict
 
-# Expected errors up to which an estimate is called reliable.
-RELIABLE_MID = 0.1  # [stop] what a colorist sees side by side
-RELIABLE_SHADOWS = 0.25  # [stop] little in the shadows, where sRGB decoding is off by one
 CHANNELS_APART = 0.16
 """Standard deviation of one channel's coefficients about those of all three, in units of the
 prior's: at codes 32 to 224 it is within a factor of 1.4 what 16 films of DoRF (root mean square of
 1.9 % of white over all codes) and 11 cameras solved from stacks (2.5 %) have in linear light."""
 _DRAWS = 512  # quantiles of so many vary by 2 %
 _PARTS = 32  # of them, for OpenBLAS: it shares a product of 2^18 multiplications and more
-
-
-def verdict_of(expected: InStops) -> Verdict:
-    """`reliable` or `weak`."""
-    reliable = expected.mid <= RELIABLE_MID and expected.shadows <= RELIABLE_SHADOWS
-    return Verdict.RELIABLE if reliable else Verdict.WEAK
 
 
 def doubted(confidence: Confidence, doubts: tuple[str, ...]) -> Confidence:

@@ -15,13 +15,13 @@ from facecrf_ocio.pair.continue_alike import SEEN
 from facecrf_ocio.pair.fit_channel import ChannelFit
 from facecrf_ocio.pair.flat_pixels import Samples
 from facecrf_ocio.response.coverage import COVERAGE_BINS, coverage_at
-from facecrf_ocio.response.expected_stops import expected_of_deviation
+from facecrf_ocio.response.expected_stops import expected_of_deviation, verdict_of
 from facecrf_ocio.response.model import CURVE_SIZE
-from facecrf_ocio.response.stops import CODES, DARKEST, MID_GRAY
+from facecrf_ocio.response.stops import CODES, DARKEST, MID_CODES, MID_GRAY, mean_over
 from facecrf_ocio.values import Confidence, Float, InStops, InverseCRF, Verdict
 
 RELIABLE_RESIDUAL_CODES = 3.0  # [8-bit code] up to which one curve explains noise and compression
-RELIABLE_SPAN = 0.75  # [encoded] that samples must cover, or much of the curve is continued
+RELIABLE_SPAN = 0.5  # [encoded] that samples must cover, or most of the curve is continued
 _MIN_PER_BIN = 10  # samples that make a bin one that is seen
 _FLOOR = 0.004  # [stop] of every curve
 # Of the spread of single samples. A fit over hundreds is surer than one of them; but what a pair
@@ -31,6 +31,10 @@ _GUESSED = 0.2  # of the stops beyond the brightest samples, which known respons
 _WHITE = 0.45  # of the stops from the brightest samples to white: how far white itself may lie off
 # Of the stops in which a channel is continued as another one goes on: what channels differ by.
 _UNLIKE = 0.1
+# [stop] Mean distance of what is seen of the channels from their mean, up to which noise, color
+# and compression explain it (0.056 at most, where all have one curve); and how much more of the
+# unseen stops each stop beyond it costs.
+_ALIKE, _AS_UNLIKE = 0.05, 3.0
 
 
 def pair_confidence(
@@ -53,18 +57,19 @@ def pair_confidence(
     low = max(float(s.encoded.min()) for s in samples)
     high = min(float(s.encoded.max()) for s in samples)
     worst = max(fit.residual_codes for fit in fits)
-    reliable = worst <= RELIABLE_RESIDUAL_CODES and high - low >= RELIABLE_SPAN
+    explained = worst <= RELIABLE_RESIDUAL_CODES and high - low >= RELIABLE_SPAN
+    in_stops = _in_stops(found, spreads, depth, unseen)
     return Confidence(
         sigma,
         coverage,
-        Verdict.RELIABLE if reliable else Verdict.WEAK,
+        verdict_of(in_stops) if explained else Verdict.WEAK,
         (
             "the band is the residual of the fit to the linear picture, and how far white is from "
             "the brightest samples",
             f"the samples lie between the encoded values {low:.2f} and {high:.2f}; beyond them the "
             "curve keeps the shape of a typical one",
         ),
-        _in_stops(found, spreads, depth, unseen),
+        in_stops,
     )
 
 
@@ -76,10 +81,13 @@ def _in_stops(found: InverseCRF, spreads: Float, depth: Float, unseen: Float) ->
         for rows in (found.linear, depth, spreads)
     )
     own = _SHARED * spread / np.maximum(light, 2.0**DARKEST) / np.log(2.0)
+    shapes = depth - depth[:, [MID_GRAY]]
     guessed = _GUESSED * np.maximum(depth + unseen[:, None], 0.0)
     guessed = guessed - guessed[:, [MID_GRAY]]
-    unlike = _UNLIKE * (unseen - unseen.min())[:, None]
-    squares = 2.0 * _FLOOR**2 + own**2 + own[:, [MID_GRAY]] ** 2 + guessed**2 + unlike**2
+    apart = max(mean_over(np.abs(shapes - shapes.mean(axis=0)), MID_CODES) - _ALIKE, 0.0)
+    unlike = _UNLIKE * (unseen - unseen.min()) + _AS_UNLIKE * apart * unseen
+    squares = 2.0 * _FLOOR**2 + own**2 + own[:, [MID_GRAY]] ** 2 + guessed**2
+    squares += unlike[:, None] ** 2
     return expected_of_deviation(np.sqrt(squares))
 
 

@@ -16,8 +16,11 @@ from facecrf_ocio.response.stops import (
     log_light,
     mean_over,
 )
-from facecrf_ocio.values import CHANNELS, Float, InStops, InverseCRF
+from facecrf_ocio.values import CHANNELS, Float, InStops, InverseCRF, Verdict
 
+# Expected errors up to which an estimate is called reliable.
+RELIABLE_MID = 0.1  # [stop] what a colorist sees side by side
+RELIABLE_SHADOWS = 0.25  # [stop] little in the shadows, where sRGB decoding is off by one
 # A Gaussian over coefficients holds curves that fall somewhere, and no camera has such a response.
 # They are left out, as far as so many others remain that quantiles mean something.
 _FEWEST = 50
@@ -26,6 +29,12 @@ _CHECKED_EVERY = 16  # samples of 1,024: a dent narrower than 4 codes counts as 
 # Of a Gaussian: share within one deviation, and mean distance over deviation.
 _WITHIN_ONE = 0.6827
 _MEAN_OF_DEVIATION = float(np.sqrt(2.0 / np.pi))  # mean of |x| of a standard normal variable
+
+
+def verdict_of(expected: InStops) -> Verdict:
+    """`reliable` or `weak`."""
+    reliable = expected.mid <= RELIABLE_MID and expected.shadows <= RELIABLE_SHADOWS
+    return Verdict.RELIABLE if reliable else Verdict.WEAK
 
 
 def rising(draws: Float) -> Float:
