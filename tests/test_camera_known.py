@@ -122,6 +122,33 @@ def test_what_the_user_added_counts(tmp_path, monkeypatch):
     assert any("Acme One" in reason for reason in conclude([said(2.0, 0.5)]).confidence.reasons)
 
 
+def in_three_channels(*exponents):
+    rows = tuple(tuple((CODES**one).tolist()) for one in exponents)
+    return replace(camera(2.4), linear=rows)
+
+
+def test_each_channel_departs_as_the_user_has_measured():
+    photo = said(2.4, 0.5)
+    alike = conclude([photo], cameras=(camera(2.4),)).curve
+    apart = conclude([photo], cameras=(in_three_channels(2.0, 2.4, 2.8),)).curve
+    middles = [float(np.interp(0.5, apart.encoded, row)) for row in apart.linear]
+    for exponent, shown in zip((2.0, 2.4, 2.8), middles, strict=True):
+        assert shown == pytest.approx(0.5**exponent, abs=0.03)
+    assert np.ptp(alike.linear, axis=0).max() < 1e-9
+    assert (np.diff(apart.linear, axis=1) > 0).all()
+
+
+def test_channels_are_alike_where_the_photo_contradicts_or_another_camera_is_named():
+    measured = (in_three_channels(2.4, 2.9, 3.4),)
+    for photos in (
+        [said(1.6, 400.0)],
+        [said(2.9, 0.5), said(2.9, 0.5, model="Two")],
+        [said(2.9, 0.5, model="Two")],
+    ):
+        found = conclude(photos, cameras=measured).curve
+        assert np.array_equal(found.linear[0], found.linear[2])
+
+
 def test_evidence_keeps_the_camera_s_name():
     photo = said(2.0, 0.5)
     assert PhotoEvidence.from_json(photo.to_json()).camera == ("Acme Inc.", "One")

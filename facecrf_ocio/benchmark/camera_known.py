@@ -138,6 +138,6 @@ def _photo(
 
 def _entry(responses: Responses, row: int, model: str) -> KnownCamera:
     at, grid = np.linspace(0.0, 1.0, POINTS), np.linspace(0.0, 1.0, responses.inverse.shape[2])
-    rows = tuple(tuple(np.interp(at, grid, one).tolist()) for one in responses.inverse[row])
+    green = tuple(np.interp(at, grid, responses.inverse[row][1]).tolist())  # as the photo is taken
     proof = responses.names[row]
-    return KnownCamera("", model, "", "bracket", "B", _SPREAD_STOPS, proof, rows)
+    return KnownCamera("", model, "", "bracket", "B", _SPREAD_STOPS, proof, (green,) * 3)

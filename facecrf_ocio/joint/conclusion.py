@@ -16,7 +16,7 @@ from facecrf_ocio.files.stored_arrays import load_arrays
 from facecrf_ocio.joint.cue_weights import agreeing_shares
 from facecrf_ocio.joint.evidence import PhotoEvidence
 from facecrf_ocio.joint.fuse import average, multiply, widened
-from facecrf_ocio.joint.known_response import KnownResponse, known_response
+from facecrf_ocio.joint.known_response import KnownResponse, in_channels, known_response
 from facecrf_ocio.joint.messages import COMBINED, Networks, networks_of
 from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior, prior_of
 from facecrf_ocio.joint.verdict import deviations, doubted, judge, not_single
@@ -136,6 +136,8 @@ def conclude(
     confidence = _confidence(telling, posterior, found, model, dissent)
     confidence = _with_cameras(confidence, known, dissent)
     confidence = doubted(confidence, _doubts_of(named))
+    agreed = {one: what for one, what in known.items() if _measured(what) not in dissent}
+    found = in_channels(found, agreed, (one.camera for one in telling), model.prior)
     if not telling:
         none = PhotoEvidence({}, np.empty(0), lacking="no photo given")
         first = evidence[0] if evidence else none

@@ -6,14 +6,15 @@ the message is as wide as measurements of one model by different people and meth
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from facecrf_ocio.cameras.known_cameras import KnownCamera, matching
+from facecrf_ocio.cameras.known_cameras import KnownCamera, matching, shipped_cameras
 from facecrf_ocio.joint.prior import FamilyPrior, Message
-from facecrf_ocio.values import Float
+from facecrf_ocio.response.model import strictly_increasing
+from facecrf_ocio.values import Float, InverseCRF
 
 STYLES = (0.18, 0.28, 1.2)
 """Standard deviations, in units of the prior's, of one model's coefficients about a measurement:
@@ -26,15 +27,24 @@ _UNIT_STOPS = 0.45
 """[stop] Mean deviation over codes 64 to 235 of a curve whose coefficients deviate by 1."""
 
 _COLOR = 1
-"""Channel that stands for all: green, in which stacks are surest."""
+"""Channel that stands for all of a camera that ships: green, in which its stacks are surest."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KnownResponse:
-    """What a camera is called, and what its measurements say of a photo's coefficients."""
+    """What a camera is called, and what its measurements say of a photo's coefficients.
+
+    Attributes
+    ----------
+    apart
+        (3, L) root of light by which each channel departs from all three's mean at the prior's
+        grid, by the user's own measurements; 0 where there are none, since red and blue of those
+        that ship are weak.
+    """
 
     name: str
     message: Message
+    apart: Float
 
 
 def known_response(
@@ -52,7 +62,53 @@ def known_response(
     return KnownResponse(
         _called(found[0]),
         Message(sure @ each / sure.sum(), 1.0 / (spread**2 + 1.0 / sure.sum())),
+        _apart([one for one in found if one not in shipped_cameras()], prior),
     )
+
+
+def in_channels(
+    found: InverseCRF,
+    known: Mapping[tuple[str, str], KnownResponse],
+    cameras: Iterable[tuple[str, str]],
+    prior: FamilyPrior,
+) -> InverseCRF:
+    """A curve of all channels, as each channel of the one camera that took the photos has it.
+
+    Parameters
+    ----------
+    found
+        The same in all channels.
+    known
+        Measurements that the photos do not contradict.
+    cameras
+        Make and model that each of the photos names.
+    prior
+        On whose grid departures are.
+    """
+    taken = [known.get(one) for one in cameras]
+    first = taken[0] if taken else None
+    if first is None or not first.apart.any():
+        return found
+    if any(one is None or one.name != first.name for one in taken):
+        return found
+    apart = [np.interp(found.encoded, prior.grid, row) for row in first.apart]
+    roots = np.maximum(np.sqrt(found.linear) + apart, 0.0)
+    return replace(found, linear=strictly_increasing(roots**2))
+
+
+def _apart(own: Sequence[KnownCamera], prior: FamilyPrior) -> Float:
+    """(3, L) mean departures of channels in a user's own measurements."""
+    if not own:
+        return np.zeros((3, prior.grid.size))
+    roots = np.array([_roots(one, prior) for one in own]).mean(axis=0)
+    return np.asarray(roots - roots.mean(axis=0))
+
+
+def _roots(camera: KnownCamera, prior: FamilyPrior) -> Float:
+    """(3, L) root of light at the prior's grid."""
+    curve = camera.curve
+    light = [np.interp(prior.grid, curve.encoded, row) for row in curve.linear]
+    return np.asarray(np.sqrt(light))
 
 
 def _called(camera: KnownCamera) -> str:
@@ -63,6 +119,6 @@ def _called(camera: KnownCamera) -> str:
 
 def coefficients(camera: KnownCamera, prior: FamilyPrior) -> Float:
     """(M,) of the curve of the prior's that is nearest in the root of light."""
-    curve = camera.curve
-    roots = np.sqrt(np.interp(prior.grid, curve.encoded, curve.linear[_COLOR]))
-    return np.asarray(np.linalg.lstsq(prior.basis.T, roots - prior.mean, rcond=None)[0])
+    roots = _roots(camera, prior)
+    chosen = roots[_COLOR] if camera in shipped_cameras() else roots.mean(axis=0)
+    return np.asarray(np.linalg.lstsq(prior.basis.T, chosen - prior.mean, rcond=None)[0])
