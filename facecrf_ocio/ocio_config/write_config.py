@@ -33,7 +33,8 @@ Form = Literal["auto", "spaces", "variable"]
 MOST_SPACES = 500
 VARIABLE = "FACECRF_PHOTO"
 VARIABLE_SPACE = "facecrf_photo"
-DEFAULT_PHOTO = "facecrf_default_srgb"
+DEFAULT_PHOTO = "facecrf_no_photo_named"
+_DARKENED = 1 / 64  # of the green light of a photo that nobody named: 6 stops, magenta to any eye
 _UPGRADE = (
     "in Python, config = PyOpenColorIO.Config.CreateFromFile(NAME), then "
     "config.upgradeToLatestVersion() and config.serialize() give one of version 2; merge that"
@@ -62,7 +63,7 @@ def write_config(
         Named .ocio, or .ocioz for an archive with the LUTs inside.
     form
         `spaces`: a color space and a file rule per photo. `variable`: one color space whose file
-        is named by the context variable FACECRF_PHOTO, sRGB's curve while it is not set.
+        is named by the context variable FACECRF_PHOTO; while it is not set, all is magenta.
         `auto`: `spaces` up to `MOST_SPACES` photos.
     merge
         A config to extend: a file, or `ocio://NAME` of a built-in one.
@@ -239,7 +240,7 @@ def _add_variable(config: Any, entries: Sequence[Entry], chain: _Chain) -> dict[
     if VARIABLE_SPACE in config.getColorSpaceNames():
         raise SettingsError(f"the config has a color space {VARIABLE_SPACE} already; merge once")
     config.addEnvironmentVar(VARIABLE, DEFAULT_PHOTO.removeprefix("facecrf_"))
-    more = {f"{DEFAULT_PHOTO}.spi1d": _srgb_table()}
+    more = {f"{DEFAULT_PHOTO}.spi1d": _magenta_table()}
     # A name that began with the variable could not be archived.
     names = [f"facecrf_${{{VARIABLE}}}.spi1d"]
     matrices = {entry.name: chain.matrix(entry.lut) for entry in entries}
@@ -250,7 +251,7 @@ def _add_variable(config: Any, entries: Sequence[Entry], chain: _Chain) -> dict[
         matrices[DEFAULT_PHOTO] = working_space_matrix(None, chain.target)
         more |= {f"{name}.spimtx": _spimtx(matrix) for name, matrix in matrices.items()}
         steps = [*chain.rest]
-    text = f"The photo that the context variable {VARIABLE} names; sRGB while it is not set."
+    text = f"The photo that the context variable {VARIABLE} names; magenta while it names none."
     _add_space(config, VARIABLE_SPACE, names, steps, text)
     return more
 
@@ -261,8 +262,12 @@ def _spimtx(matrix: npt.NDArray[np.float64]) -> bytes:
     return rows.encode()
 
 
-def _srgb_table() -> bytes:
-    """Curve of sRGB (IEC 61966-2-1) as .spi1d."""
-    codes = np.linspace(0.0, 1.0, 4096)
-    rows = "".join(f"{value:.9g}\n" for value in decode_srgb(codes))
-    return f"Version 1\nFrom 0 1\nLength 4096\nComponents 1\n{{\n{rows}}}\n".encode()
+def _magenta_table() -> bytes:
+    """What nobody takes for a photo's light, as .spi1d: sRGB (IEC 61966-2-1) with dark greens.
+
+    A file that is not there would be an error of the whole config to checkers of it, and a plain
+    curve would pass for the photo's own. It has an inverse, which checkers ask for.
+    """
+    linear = decode_srgb(np.linspace(0.0, 1.0, 4096))
+    rows = "".join(f"{light:.9g} {light * _DARKENED:.9g} {light:.9g}\n" for light in linear)
+    return f"Version 1\nFrom 0 1\nLength 4096\nComponents 3\n{{\n{rows}}}\n".encode()
