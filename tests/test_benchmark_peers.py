@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from facecrf_ocio.benchmark.peers.bracket_curves import Brackets
 from facecrf_ocio.benchmark.peers.chart_curves import Charts
 from facecrf_ocio.benchmark.peers.made_curves import made_curves, some_of
 from facecrf_ocio.benchmark.peers.peer_table import as_curve, curve_errors, curve_rows, trivial
+from facecrf_ocio.benchmark.peers.published_figures import published_rows
 from facecrf_ocio.synthetic import gamma_curve
 
 TRUTHS = list(made_curves().values())
@@ -59,6 +62,14 @@ def test_published_figures_are_marked_and_stand_beside_ours(capfd):
     assert "| Li et al. (2017) | published, Table 1 | 0.33 | 3.7 | 5.28 | 32 | 4.95 |" in ended.out
     assert "| sRGB, without the photos | measured" in ended.out
     assert "| `facecrf calibrate`, real photos | measured" in ended.out
+
+
+def test_our_figures_beside_published_ones_are_those_of_the_page():
+    page = Path(__file__).parents[1].joinpath("docs", "accuracy.md").read_text(encoding="utf-8")
+    rows = "\n".join(published_rows())
+    for kind in ("rendered heads", "real photos"):
+        ((median, high),) = re.findall(rf"\| {kind}, DoRF .*\| ([\d.]+) / ([\d.]+) \(", page)
+        assert f"{kind} | measured, other photos |  | {median} |  | 95 %: {high} |" in rows
 
 
 @pytest.mark.slow

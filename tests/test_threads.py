@@ -9,9 +9,8 @@ import click
 import cv2
 import pytest
 
-from facecrf_ocio.cli.beside import beside
 from facecrf_ocio.cli.facecrf import main
-from facecrf_ocio.files.threads import meanwhile, one_opencv_thread, usable_cores
+from facecrf_ocio.files.threads import beside, meanwhile, one_opencv_thread, usable_cores
 
 
 def test_cores_are_those_that_this_process_may_use(monkeypatch):

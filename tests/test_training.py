@@ -18,6 +18,7 @@ from facecrf_ocio.joint import conclude, gather, load_joint
 from facecrf_ocio.joint.messages import COMBINED, exact_array
 from facecrf_ocio.joint.statistics import CUES
 from facecrf_ocio.synthetic import SyntheticSpec, render_face
+from facecrf_ocio.synthetic.jpeg import through_jpeg
 from facecrf_ocio.training.__main__ import main
 from facecrf_ocio.training.before_camera import dead_leaves, read_head, saturate, stage
 from facecrf_ocio.training.curves import NO_ROW, CurveSource, fold_of_rows, rows_outside
@@ -26,7 +27,7 @@ from facecrf_ocio.training.draw_process import HARDLY_PROCESSED, draw_process
 from facecrf_ocio.training.layout import draw_layout, some_windows
 from facecrf_ocio.training.parts import Examples, read_parts, write_part
 from facecrf_ocio.training.plan import Data, held_out_names, left_out
-from facecrf_ocio.training.process import Response, demosaiced, photograph, through_jpeg
+from facecrf_ocio.training.process import Response, demosaiced, photograph
 from facecrf_ocio.training.simulate import simulate
 from facecrf_ocio.training.weights import pack, with_band
 
@@ -168,9 +169,9 @@ def test_denoisers_take_noise_and_leave_an_edge(kind):
 
 def test_less_color_is_kept_where_color_is_sampled_coarsely():
     generator = np.random.default_rng(0)
-    picture = generator.uniform(0.2, 0.8, (64, 64, 3)).astype(np.float32)
+    picture = generator.integers(51, 205, (64, 64, 3), np.uint8)
     errors = [
-        np.abs(through_jpeg(picture, 95, sampling) - picture).mean()
+        np.abs(through_jpeg(picture, 95, sampling).astype(float) - picture).mean()
         for sampling in ("4:2:0", "4:2:2", "4:4:4")
     ]
     assert errors == sorted(errors, reverse=True)

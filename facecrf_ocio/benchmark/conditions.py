@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 # OpenCV's codes of the chroma's resolution in a JPEG.
-SAMPLINGS = {"4:4:4": 0x111111, "4:2:2": 0x211111, "4:2:0": 0x221111}
+SAMPLINGS = ("4:4:4", "4:2:2", "4:2:0")
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +104,7 @@ def a_day(generator: np.random.Generator) -> Conditions:
         sharpen_radius=uniform(0.7, 1.5),
         halve=bool(chance() < 0.3),
         quality=int(generator.integers(86, 98)),
-        sampling=str(generator.choice(list(SAMPLINGS), p=(0.2, 0.4, 0.4))),
+        sampling=str(generator.choice(SAMPLINGS, p=(0.2, 0.4, 0.4))),
     )
 
 

@@ -11,9 +11,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.benchmark.conditions import SAMPLINGS, Conditions
+from facecrf_ocio.benchmark.conditions import Conditions
 from facecrf_ocio.benchmark.virtual_camera import FULL_WELL_ISO_100, READ_NOISE
 from facecrf_ocio.color.primaries import LUMINANCE
+from facecrf_ocio.synthetic.jpeg import through_jpeg
 from facecrf_ocio.values import Float
 
 Image = npt.NDArray[np.float32]
@@ -172,10 +173,4 @@ def _stored(encoded: Image, conditions: Conditions) -> npt.NDArray[np.uint8]:
     codes = _rounded(encoded)
     if conditions.quality is None:
         return codes
-    options = (
-        *(cv2.IMWRITE_JPEG_QUALITY, conditions.quality),
-        *(cv2.IMWRITE_JPEG_SAMPLING_FACTOR, SAMPLINGS[conditions.sampling]),
-    )
-    _, content = cv2.imencode(".jpg", codes[..., ::-1], options)
-    back = np.asarray(cv2.imdecode(content, cv2.IMREAD_COLOR), np.uint8)
-    return np.ascontiguousarray(back[..., ::-1])
+    return through_jpeg(codes, conditions.quality, conditions.sampling)

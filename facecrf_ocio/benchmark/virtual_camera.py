@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.photo.pixels import is_gray
+from facecrf_ocio.synthetic.jpeg import through_jpeg
 from facecrf_ocio.values import Float, Photo, Primaries
 
 FULL_WELL_ISO_100 = 60_000.0  # [electron] at which a pixel of a full-frame camera saturates
@@ -73,7 +73,7 @@ def take_photo(
     top = 2**encoding.bits - 1
     codes = np.rint(encoded * top)
     if encoding.jpeg is not None:
-        codes = through_jpeg(codes.astype(np.uint8), encoding.jpeg)
+        codes = through_jpeg(codes.astype(np.uint8), encoding.jpeg).astype(np.float64)
     stored = np.asarray(codes / top, dtype=np.float32)
     return Photo(stored, encoding.bits, grayscale=is_gray(stored), primaries=primaries)
 
@@ -91,12 +91,3 @@ def _add_noise(exposed: Float, iso: float, generator: np.random.Generator) -> Fl
         0.0, READ_NOISE, exposed.shape
     )
     return np.clip(electrons / full_well, 0.0, 1.0)
-
-
-def through_jpeg(codes: npt.NDArray[np.uint8], quality: int) -> Float:
-    """(H, W, 3) code values as they come back from a JPEG file, 0 to 255."""
-    written, content = cv2.imencode(".jpg", codes[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])
-    if not written:
-        raise SettingsError(f"an image of shape {codes.shape} cannot be stored as a JPEG")
-    decoded = np.asarray(cv2.imdecode(content, cv2.IMREAD_COLOR), dtype=np.float64)
-    return decoded[..., ::-1]

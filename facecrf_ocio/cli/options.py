@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from facecrf_ocio.cli.beside import beside
 from facecrf_ocio.estimators import ESTIMATOR_NAMES, ESTIMATORS, FALLBACKS, JOINT_NAMES
+from facecrf_ocio.files.threads import beside
 from facecrf_ocio.settings import PRIORS, VERDICTS, Settings
 
 if TYPE_CHECKING:

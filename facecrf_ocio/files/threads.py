@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TypeVar
 
 _T = TypeVar("_T")
@@ -40,8 +39,27 @@ def meanwhile(work: Callable[[], _T]) -> Callable[[], _T]:
     """
     import cv2  # noqa: PLC0415 - heavy
 
-    if cv2.getNumThreads() < 2:
-        return work
+    return work if cv2.getNumThreads() < 2 else _begun(work)
+
+
+@contextmanager
+def beside(work: Callable[[], object]) -> Iterator[None]:
+    """Do some work in a thread while the block runs, and end when both are done.
+
+    What it raises is lost: it is loading alone, and whoever needs what could not be loaded tries
+    again and meets the same error where it can be told.
+    """
+    done = _begun(work)
+    try:
+        yield
+    finally:
+        with suppress(Exception):
+            done()
+
+
+def _begun(work: Callable[[], _T]) -> Callable[[], _T]:
+    from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415 - not for `facecrf --help`
+
     pool = ThreadPoolExecutor(1)
     result = pool.submit(work).result
     pool.shutdown(wait=False)

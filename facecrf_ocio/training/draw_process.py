@@ -8,8 +8,9 @@ import cv2
 import numpy as np
 
 from facecrf_ocio.benchmark.virtual_camera import FULL_WELL_ISO_100
+from facecrf_ocio.synthetic.jpeg import SAMPLING
 from facecrf_ocio.training.denoise import Denoiser
-from facecrf_ocio.training.process import SAMPLING, Process
+from facecrf_ocio.training.process import Process
 
 EXPOSURE = 1.1
 """[EV] Deviation of the exposure: cameras, scenes and skins differ by about one stop."""

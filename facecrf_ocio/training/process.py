@@ -12,17 +12,12 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from facecrf_ocio.synthetic.jpeg import Codes, through_jpeg
 from facecrf_ocio.training.before_camera import gray_of
 from facecrf_ocio.training.denoise import Denoiser
 from facecrf_ocio.values import Float
 
 Light = npt.NDArray[np.float32]
-Codes = npt.NDArray[np.uint8]
-SAMPLING = {
-    "4:2:0": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_420,
-    "4:2:2": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_422,
-    "4:4:4": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444,
-}
 _WHITE = 65535  # [code value] of 16 bits, which demosaicing takes
 _LEVELS = 16384  # of the root of light: 64 for each code of 8 bits
 
@@ -185,15 +180,15 @@ def _stored(encoded: Light, process: Process, size: tuple[int, int], *, fine: bo
     """Scaled and compressed; in 8 bits unless the part is too coarse for that to show."""
     if encoded.shape[:2] != size:
         if process.first_jpeg and fine:
-            encoded = through_jpeg(encoded, process.first_jpeg, process.sampling)
+            encoded = _compressed(encoded, process.first_jpeg, process.sampling)
         smaller = cv2.resize(encoded, size[::-1], interpolation=process.resampling)
         encoded = _sharpened(np.asarray(smaller, np.float32), process.sharpen_small, 0.7)
     elif process.first_jpeg and fine:
-        encoded = through_jpeg(encoded, process.first_jpeg, process.sampling)
+        encoded = _compressed(encoded, process.first_jpeg, process.sampling)
     if not fine:
         return np.asarray(np.clip(encoded, 0.0, 1.0), np.float32)
     if process.jpeg:
-        return through_jpeg(encoded, process.jpeg, process.sampling)
+        return _compressed(encoded, process.jpeg, process.sampling)
     return in_codes(encoded).astype(np.float32) / np.float32(255.0)
 
 
@@ -202,14 +197,6 @@ def in_codes(encoded: Light) -> Codes:
     return np.asarray(np.clip(np.rint(encoded * np.float32(255.0)), 0, 255), np.uint8)
 
 
-def through_jpeg(encoded: Light, quality: int, sampling: str) -> Light:
+def _compressed(encoded: Light, quality: int, sampling: str) -> Light:
     """Encoded values (H, W, 3) as they come back from a JPEG file."""
-    options = [
-        cv2.IMWRITE_JPEG_QUALITY,
-        quality,
-        cv2.IMWRITE_JPEG_SAMPLING_FACTOR,
-        SAMPLING[sampling],
-    ]
-    _, content = cv2.imencode(".jpg", in_codes(encoded)[..., ::-1], options)
-    decoded = np.asarray(cv2.imdecode(content, cv2.IMREAD_COLOR))
-    return np.asarray(decoded[..., ::-1].astype(np.float32) / np.float32(255.0), np.float32)
+    return through_jpeg(in_codes(encoded), quality, sampling).astype(np.float32) / np.float32(255.0)

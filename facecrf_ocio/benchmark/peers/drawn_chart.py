@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.chart.reflectances import reflectances
+from facecrf_ocio.synthetic.jpeg import codes_of, jpeg_of
 from facecrf_ocio.values import Float, InverseCRF, Photo
 
 PATCH, GAP, FRAME = 60, 9, 25  # [px]
@@ -59,11 +60,8 @@ def shot(
     random = np.random.default_rng(seed)
     noisy = light + random.normal(size=light.shape) * np.sqrt(2e-5 * light + 1e-6)
     codes = np.rint(curve.encode(np.clip(noisy, 0.0, 1.0)) * 255).astype(np.uint8)
-    content = cv2.imencode(
-        ".jpg", np.ascontiguousarray(codes[..., ::-1]), [cv2.IMWRITE_JPEG_QUALITY, quality]
-    )[1]
-    seen = np.asarray(cv2.imdecode(content, cv2.IMREAD_COLOR))[..., ::-1]
-    return bytes(content), Photo(_single(seen) / np.float32(255), bit_depth=8)
+    content = jpeg_of(codes, quality)
+    return content, Photo(_single(codes_of(content)) / np.float32(255), bit_depth=8)
 
 
 def _single(values: npt.ArrayLike) -> npt.NDArray[np.float32]:
