@@ -140,7 +140,8 @@ class Choices:
         from facecrf_ocio.files.versions import versions
 
         if self.estimator in JOINT_NAMES:
-            import numpy.random  # noqa: F401 - NumPy imports it when it is first asked for
+            import numpy.ma  # NumPy imports both when they are first asked for
+            import numpy.random  # noqa: F401
 
             from facecrf_ocio import calibrate as calibrate  # noqa: PLC0414 - loads its module
             from facecrf_ocio.cameras.known_cameras import shipped_cameras

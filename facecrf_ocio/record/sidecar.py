@@ -105,11 +105,12 @@ def sidecar_draft(
     path: Path, photo: Photo, estimate: Estimate, settings: Settings, luts: Sequence[Path]
 ) -> Draft:
     """Return the sidecar to be written, which is read back before it appears."""
-    expected = expectation(_as_read(estimate))
+    as_read = _as_read(estimate)  # which is written as the estimate itself, and thinned already
+    expected = expectation(as_read)
     record = {
         "schema": SCHEMA,
         "schema_version": SCHEMA_VERSION,
-        **estimate_record(estimate),
+        **estimate_record(as_read),
         "summary": sentence(estimate),
         "expected": None if expected is None else expected.record(),
         "source": asdict(_source(photo)),
