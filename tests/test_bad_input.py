@@ -17,6 +17,9 @@ from face_photos import grace_hopper
 from photo_files import enlarge_header, write, write_dng
 from PIL import Image
 
+from facecrf_ocio import read_photo
+from facecrf_ocio.errors import PhotoError
+
 UNREADABLE, NOTHING = 3, 4
 
 
@@ -244,3 +247,13 @@ def test_the_process_itself_ends_so(tmp_path: Path, name: str, code: int) -> Non
     assert (ended.returncode, ended.stdout) == (code, "")
     assert ended.stderr.startswith(f"facecrf: {name}: ")
     assert ended.stderr.count("\n") == 1
+
+
+def test_what_is_no_image_is_told_without_the_question_that_the_library_asks(tmp_path):
+    (tmp_path / "a.jpg").write_text("no picture", encoding="ascii")
+    with pytest.raises(PhotoError, match="is not an image that can be read") as told:
+        read_photo(tmp_path / "a.jpg")
+    assert "?" not in str(told.value)
+    (tmp_path / "a.md").write_text("no picture", encoding="ascii")
+    with pytest.raises(PhotoError, match=r"could not find a format reader for it\); if it should"):
+        read_photo(tmp_path / "a.md")

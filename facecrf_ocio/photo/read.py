@@ -76,7 +76,7 @@ def read_photo(path: str | Path) -> Photo:
     picture = open_picture(file)
     if picture is None:
         problem = _one_line(complaint(oiio.geterror), path)
-        problem = f"is not an image that can be read ({problem})"
+        problem = f"is not an image that can be read ({problem.partition('. Is it a file')[0]})"
         return _read_raw(file, sha256, problem, _COPY_OR_CONVERT)
     try:
         return _read_image(file, picture, sha256)
