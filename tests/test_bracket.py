@@ -7,6 +7,8 @@ import pytest
 from archive_photos import exposed, write_picture
 from command_line import CommandLine
 
+from facecrf_ocio.benchmark.peers.bracket_curves import Brackets
+from facecrf_ocio.benchmark.peers.made_curves import made_curves
 from facecrf_ocio.pair.bracket_curve import solve_bracket
 from facecrf_ocio.record.sidecar import read_sidecar
 from facecrf_ocio.response.expected_stops import expected_of_sigma
@@ -65,6 +67,15 @@ def test_what_to_expect_of_it_is_of_its_shape():
     assert error.mid < 2.0 * told.mid < 0.2
     assert np.all(told.sigma[:, 128] == 0.0)
     assert np.all(told.sigma[:, 250] > told.sigma[:, 160])
+
+
+@pytest.mark.slow
+def test_steps_of_two_stops_leave_no_waves():
+    """Bends that are likely one by one, and together a wave of one step, were off by 0.038."""
+    truth = made_curves()["sRGB, more contrast"]
+    found = Brackets([truth]).ours(0)
+    assert found is not None
+    assert stops_error(uniform(found), uniform(truth)).mid < 0.025
 
 
 @pytest.mark.slow

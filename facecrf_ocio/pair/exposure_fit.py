@@ -5,8 +5,9 @@ besides: the response is a spline, residuals count in units of what noise of one
 and by Tukey's biweight, and the exposures may depart from the camera's grid.
 
 Where all steps are of two stops, light that is wrong in waves of two stops agrees with every pair
-of photos, so that smoothness decides. What is smooth is told by how known responses bend, code by
-code: a straight line in log light, which the paper asks for, is far from any of them near black.
+of photos, so that smoothness decides. What is smooth is told by how known responses bend, and how
+their bends go together: a straight line in log light, which the paper asks for, is far from any of
+them near black, and bends that are likely one by one add up to waves that no response has.
 """
 
 from __future__ import annotations
@@ -31,8 +32,9 @@ _FLOOR = 0.012  # [stop] what points differ by at best: flicker, shutters, round
 _SHUTTER = 0.02  # [stop] standard deviation of one exposure from its place on the grid
 _EXACT = 1e4  # [1/stop] how firmly it is held that exposures are not stretched as a whole
 # Draws of the response model that tell how responses bend, the light below which they do not, and
-# a floor of the deviation [stop], for responses that the model never saw.
-_DRAWS, _LEAST_LIGHT, _LEAST_BEND = 400, 2.0**-12, 0.03
+# the deviation [stop] of each bend by itself, for responses that the model never saw.
+_DRAWS, _LEAST_LIGHT, _OWN_BEND = 400, 2.0**-12, 0.02
+_FARTHEST = 4.0  # robust deviations: what bends more, next to black, counts as that
 _TOE = 4.0 / 255.0  # code below which responses are not looked at
 _LEAST_SLOPE = 0.2  # [stop / full range] while slopes turn codes into stops
 _FEWEST_SPREAD = 0.25  # of a residual: a perfect fit leaves no scale to judge by
@@ -83,7 +85,7 @@ def fit_exposures(
         (J,) log2 of the exposures. A factor common to all their differences cannot be told from
         the response's exponent, so it is held.
     smoothness
-        Factor on the weight of the spline's second differences.
+        Factor on the precision of the spline's second differences.
     start
         A fit of the same bracket, from which this one needs fewer rounds.
     """
@@ -176,14 +178,14 @@ def _prior(stops: Float, smoothness: float) -> tuple[Float, Float]:
     size = len(CHANNELS) * _SIZE + len(stops)
     matrix, right = 1e-9 * np.eye(size), np.zeros(size)
     second = np.diff(np.eye(_SIZE), 2, axis=0)
-    usual, deviation = _known_bends()
-    weight = smoothness / deviation**2
+    usual, precision_of_bends = _known_bends()
+    weight = smoothness * second.T @ precision_of_bends
     middle = BSpline.design_matrix(np.array([0.5]), _knots(), _DEGREE).toarray()[0]
-    one = second.T @ (weight[:, None] * second) + _EXACT**2 * np.outer(middle, middle)
+    one = weight @ second + _EXACT**2 * np.outer(middle, middle)
     for channel in range(len(CHANNELS)):
         place = slice(channel * _SIZE, (channel + 1) * _SIZE)
         matrix[place, place] += one
-        right[place] = second.T @ (weight * usual)
+        right[place] = weight @ usual
     offset = stops - stops.mean()
     fixed = [np.ones(len(stops)), offset / max(float(np.linalg.norm(offset)), 1e-9)]
     precision = np.eye(len(stops)) / _SHUTTER**2
@@ -196,7 +198,7 @@ def _prior(stops: Float, smoothness: float) -> tuple[Float, Float]:
 
 @cache
 def _known_bends() -> tuple[Float, Float]:
-    """[stop] Median and deviation of the second differences of known responses' coefficients."""
+    """Median (B,) [stop] and precision (B, B) of second differences of responses' coefficients."""
     model, random = dorf_model(), np.random.default_rng(0)
     at = model.grid >= _TOE
     basis = BSpline.design_matrix(model.grid[at], _knots(), _DEGREE).toarray()
@@ -210,8 +212,11 @@ def _known_bends() -> tuple[Float, Float]:
     coefficients = np.linalg.lstsq(basis, np.array(drawn).T, rcond=None)[0]
     bends = np.diff(coefficients, 2, axis=0)
     usual = np.median(bends, axis=1)
-    deviation = 1.4826 * np.median(np.abs(bends - usual[:, None]), axis=1)
-    return usual, np.maximum(deviation, _LEAST_BEND)
+    apart = bends - usual[:, None]
+    deviation = 1.4826 * np.median(np.abs(apart), axis=1, keepdims=True)
+    usually = np.clip(apart, -_FARTHEST * deviation, _FARTHEST * deviation)
+    covariance = usually @ usually.T / _DRAWS + _OWN_BEND**2 * np.eye(len(usual))
+    return usual, np.linalg.inv(covariance)
 
 
 def _spread(codes: Float, solution: Float, channel: int) -> Float:
