@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.joint.edge_counts import EDGE_LEVELS, count_edges
+from facecrf_ocio.joint.soft_edges import SOFT_LEVELS, SOFT_SIZES, count_soft_edges
 from facecrf_ocio.photo.pixels import Pixels, eight_bit
 from facecrf_ocio.values import CHANNELS, Float, frozen
 
@@ -76,6 +77,8 @@ class NoiseCounts:
     edges
         (2, 8, 8, 3) at two sizes, by the levels of an edge's dark and bright side: edges in green,
         the sum of their middles' place between the two sides, and of its square.
+    soft_edges, color_lines
+        (4, 8, 8, 3) and (4, 8, 11) as `SoftEdges` has them: middles and lines.
     """
 
     histograms: Float
@@ -84,6 +87,8 @@ class NoiseCounts:
     codes: Float
     blocks: Float
     edges: Float
+    soft_edges: Float
+    color_lines: Float
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -141,6 +146,8 @@ class _Sums:
     codes: Float
     blocks: Float
     edges: Float
+    soft_edges: Float
+    color_lines: Float
 
     @staticmethod
     def zeros() -> _Sums:
@@ -151,6 +158,8 @@ class _Sums:
             np.zeros((len(CHANNELS), _WHITE + 1)),
             np.zeros((2, BLOCK, 2)),
             np.zeros((_EDGE_SIZES, EDGE_LEVELS, EDGE_LEVELS, 3)),
+            np.zeros((len(SOFT_SIZES), SOFT_LEVELS, SOFT_LEVELS, 3)),
+            np.zeros((len(SOFT_SIZES), SOFT_LEVELS, SOFT_LEVELS + 3)),
         )
 
     def add(self, other: _Sums, weight: float) -> None:
@@ -163,6 +172,9 @@ class _Sums:
         for c, channel in enumerate(channels):
             self.codes[c] += np.bincount(channel.ravel(), minlength=_WHITE + 1)
         self.blocks += _block_sums(np.asarray(channels[_GREEN], np.uint8))
+        soft = count_soft_edges(codes)
+        self.soft_edges += soft.middles
+        self.color_lines += soft.lines
         for size in range(SIZES):
             if size:
                 channels = [_halved(channel) for channel in channels]

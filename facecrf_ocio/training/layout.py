@@ -23,6 +23,10 @@ _USUAL, _SPREAD = 330.0, 1.0  # px; deviation of the logarithm
 _LARGEST = 24e6  # px of a photo
 # Of cameras, phones and squares, lying and standing.
 _ASPECTS = (3 / 2, 4 / 3, 1.0, 3 / 4, 2 / 3, 9 / 16)
+_OUT_OF_FOCUS = 0.6  # share of photos whose surroundings are; by judgment of portraits
+# Of the photo's width: a 50 mm lens at f/8 to an 85 mm lens at f/1.8 with a face at two meters.
+_DEFOCUS = (5e-4, 0.02)
+_WIDEST_DISC = 40.0  # px; wider ones leave no edge inside a window
 _LANDMARKS_OFF = 0.01  # of the face's width: landmarks are off by about 1 %
 _ALIGNED = 16  # [px] side of JPEG's blocks of color at 4:2:0, which windows must not cut
 
@@ -41,6 +45,8 @@ class Layout:
         In pixels of the photo.
     surroundings, zoom, shade
         Picture beside the head's, pixels of the photo per pixel of it, factor of its light.
+    defocus
+        [px] Radius of the disc that a point of the surroundings is spread over, 0 if sharp.
     texture, texture_around
         Of the head's picture, and of its surroundings.
     """
@@ -53,6 +59,7 @@ class Layout:
     surroundings: Light
     zoom: float
     shade: Float
+    defocus: float
     texture: Texture
     texture_around: Texture
 
@@ -91,7 +98,27 @@ class Layout:
         height, width = self.surroundings.shape[:2]
         corner = generator.uniform(0.0, 1.0, 2) * (width, height) * self.zoom
         light = _cut(self.surroundings, tuple(corner), (step, step), self.zoom, size)
+        light = _defocused(light, self.defocus / step)
         return np.asarray(self.texture_around.over(light, generator) * self.shade, np.float32)
+
+
+def _defocused(light: Light, radius: float) -> Light:
+    """Each point of light (H, W, 3) spread over a disc of this radius [px]."""
+    if radius < 0.5:
+        return light
+    reach = int(np.ceil(radius))
+    y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1]
+    disc = np.clip(radius + 0.5 - np.hypot(x, y), 0.0, 1.0).astype(np.float32)
+    blurred = cv2.filter2D(light, -1, disc / disc.sum(), borderType=cv2.BORDER_REFLECT)
+    return np.asarray(np.maximum(blurred, 0.0), np.float32)
+
+
+def _draw_defocus(width: float, generator: np.random.Generator) -> float:
+    if generator.random() >= _OUT_OF_FOCUS:
+        return 0.0
+    least, most = _DEFOCUS
+    share = np.exp(generator.uniform(np.log(least), np.log(most)))
+    return float(min(share * width, _WIDEST_DISC))
 
 
 def _cut(
@@ -161,6 +188,7 @@ def draw_layout(head: Head, around: tuple[Light, ...], generator: np.random.Gene
         around[int(generator.integers(len(around)))],
         float(np.exp(generator.uniform(np.log(0.7), np.log(2.0)))),
         (np.exp(generator.normal(0.0, 0.9)) * tint).astype(np.float32),
+        _draw_defocus(width, generator),
         Texture.draw(generator),
         Texture.draw(generator),
     )

@@ -88,7 +88,7 @@ def write_part(path: Path, examples: Sequence[Example]) -> None:
     for name in _COUNTS:
         for group in ("photo", "skin"):
             values = np.array([getattr(getattr(e, group), name) for e in examples])
-            whole = name not in ("blocks", "edges")
+            whole = name not in ("blocks", "edges", "soft_edges", "color_lines")
             arrays[f"{group}_{name}"] = (
                 np.rint(values).astype(np.uint32) if whole else values.astype(np.float32)
             )
