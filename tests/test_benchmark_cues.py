@@ -87,9 +87,7 @@ def test_the_command_writes_its_tables(folder, tmp_path):
 def test_what_was_trained_with_is_held_out_by_weights_without_it(folder):
     strange = read_responses(folder / "curves.npz")
     assert joint_model(strange, 1) is shipped_joint()
-    stacks = replace(strange, sha256=STACKS)
-    assert joint_model(stacks, 0) is joint_model(stacks, 3) is not shipped_joint()
-    for sha256 in (DORF, MODERN):
+    for sha256 in (DORF, MODERN, STACKS):
         known = replace(strange, sha256=sha256)
         models = [joint_model(known, fold) for fold in range(FOLDS)]
         assert len({id(model) for model in (shipped_joint(), *models)}) == FOLDS + 1

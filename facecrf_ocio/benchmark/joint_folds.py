@@ -1,9 +1,10 @@
 """What the joint estimator may have learned when a fold of responses is held out.
 
 The shipped weights were trained with three files of responses. Beside the package, a checkout has
-weights that were trained without each of five folds of DoRF's rows, with their guard, without each
-of five folds of makers of published digital responses, and without the responses that were solved
-from exposure stacks. Responses of other files are strangers to the shipped weights anyhow.
+weights that were trained without each of five folds of DoRF's rows, with their guard, and without
+each of five folds of makers, of published digital responses and of those that were solved from
+exposure stacks; a maker is left out of both. Responses of other files are strangers to the shipped
+weights anyhow.
 """
 
 from __future__ import annotations
@@ -23,23 +24,20 @@ MODERN = "48ef6804cf515c7d6149677829341e8eb2fe3eba4f6e6eec8128a963dbc32110"
 STACKS = "143a54389c8b60cf50a4e23200acf9697f923b31d23864aa0bdb27ae0d716071"
 FOLDS = 5  # of responses: so many files of weights were fitted without a fifth each
 HELD_OUT = Path(__file__).parents[2] / "examples" / "results" / "held_out_joint.npz"
-_FAMILY = {DORF: "dorf", MODERN: "modern", STACKS: "stacks"}
+_FILE = {DORF: "dorf", MODERN: "modern", STACKS: "stacks"}
 
 
 def joint_model(responses: Responses, fold: int | None) -> JointModel:
     """The weights for one fold of some responses; the shipped ones where none is held out.
-
-    All folds of the stacks' responses share weights that saw none of them.
 
     Raises
     ------
     SettingsError
         If the responses were trained with and no weights without them exist here.
     """
-    if fold is None or responses.sha256 not in _FAMILY:
+    if fold is None or responses.sha256 not in _FILE:
         return shipped_joint()
-    family = _FAMILY[responses.sha256]
-    if family != "stacks" and not 0 <= fold < FOLDS:
+    if not 0 <= fold < FOLDS:
         raise SettingsError(
             f"{responses.path}: joint was trained with these responses, and there are no weights "
             f"without this fold; use --protocol paper, or --folds {FOLDS}"
@@ -49,7 +47,7 @@ def joint_model(responses: Responses, fold: int | None) -> JointModel:
             f"{responses.path}: joint was trained with these responses, and the weights without "
             "them come with a checkout of the project, not with the package; use --protocol paper"
         )
-    return held_out_joint(HELD_OUT, family if family == "stacks" else f"{family}{fold}")
+    return held_out_joint(HELD_OUT, f"{_FILE[responses.sha256]}{fold}")
 
 
 @cache

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from facecrf_ocio.joint.whole_steps import exact_array
 from facecrf_ocio.values import Float, frozen
 
 
@@ -54,7 +55,7 @@ def familiarity_of(arrays: Mapping[str, Float]) -> Familiarity | None:
     if "familiarity_axes" not in arrays:
         return None
     return Familiarity(
-        np.asarray(arrays["familiarity_axes"], np.float64),
+        exact_array(arrays, "familiarity_axes"),
         np.asarray(arrays["familiarity_spread"], np.float64),
         float(arrays["familiarity_beside"]),
         float(arrays["familiarity_usual"]),

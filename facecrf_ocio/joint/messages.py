@@ -20,11 +20,11 @@ from facecrf_ocio.files.stored_arrays import load_arrays
 from facecrf_ocio.joint.familiarity import Familiarity, familiarity_of
 from facecrf_ocio.joint.prior import Message
 from facecrf_ocio.joint.statistics import CUES
+from facecrf_ocio.joint.whole_steps import exact_array
 from facecrf_ocio.values import Float
 
 COMBINED = "combined"  # the network that sees all cues
 FARTHEST = 5.0  # standard deviations; training never saw statistics beyond
-STEP = "_step"  # ends the name of the steps of an array that is stored in bytes
 # Deviations of e^4 to e^-3 of the prior's units: nothing said, and almost sure.
 LOG_PRECISION = (-8.0, 6.0)
 
@@ -112,12 +112,6 @@ def networks_of(arrays: Mapping[str, Float]) -> Networks:
         {cue: tuple(_network(arrays, f"{cue}_{m}") for m in members) for cue in (*CUES, COMBINED)},
         familiarity_of(arrays),
     )
-
-
-def exact_array(arrays: Mapping[str, Float], name: str) -> Float:
-    """One array of a file of weights, in numbers; some are stored in whole steps."""
-    whole = np.asarray(arrays[name], np.float64)
-    return whole * arrays[f"{name}{STEP}"] if f"{name}{STEP}" in arrays else whole
 
 
 def _network(arrays: Mapping[str, Float], name: str) -> CueNetwork:

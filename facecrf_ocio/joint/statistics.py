@@ -20,9 +20,11 @@ import numpy.typing as npt
 from facecrf_ocio.face import regions
 from facecrf_ocio.face.skin_mask import find_skin
 from facecrf_ocio.face.view import MIN_SKIN_PIXELS, FaceView
+from facecrf_ocio.joint.color_lines import bend_profile
 from facecrf_ocio.joint.edges import edge_profile
 from facecrf_ocio.joint.grain import measure_noise, noise_curve
 from facecrf_ocio.joint.noise_counts import LEVELS, NoiseCounts, count_noise
+from facecrf_ocio.joint.soft_edges import soft_edge_profile
 from facecrf_ocio.joint.texture import noise_character
 from facecrf_ocio.joint.windows import Window, face_windows, photo_windows
 from facecrf_ocio.photo.pixels import Pixels
@@ -31,7 +33,7 @@ from facecrf_ocio.values import Bool, Float, frozen
 
 FACE_CUES = ("shading", "highlights", "pigments", "eyes")
 """Measured on the face at its working size."""
-CUES = ("grain", "noise", "edges", "exposure", *FACE_CUES)
+CUES = ("grain", "noise", "edges", "soft_edges", "color_lines", "exposure", *FACE_CUES)
 # Groups of skin by brightness, equally many pixels each; trained with, as all below.
 SHADING_BINS = 12
 PIGMENT_BINS = 4  # few, since each needs the scatter of its pixels, not their mean alone
@@ -90,10 +92,10 @@ def skin_counts(pixels: Pixels, view: FaceView, skin: npt.NDArray[np.bool_]) -> 
 
 
 def counted_statistics(photo: NoiseCounts, skin: NoiseCounts) -> dict[str, Float]:
-    """Statistics that follow from counts: `grain`, `noise`, `edges` and `exposure`.
+    """Statistics that follow from counts: of all cues but those of the face.
 
     Noise against level and how far it is noise, all over the photo and on the skin, where edges
-    have their middles, and how bright the photo is. Empty where every pixel is clipped.
+    have their middles, how colors blend across them, and how bright the photo is.
     """
     found = {}
     for cue, counts in (("grain", photo), ("noise", skin)):
@@ -108,6 +110,8 @@ def counted_statistics(photo: NoiseCounts, skin: NoiseCounts) -> dict[str, Float
     edges = edge_profile(photo)
     if edges is not None:
         found["edges"] = edges
+    found["soft_edges"] = soft_edge_profile(photo.soft_edges, skin.soft_edges)
+    found["color_lines"] = bend_profile(photo.color_lines, skin.color_lines)
     found["exposure"] = _exposure(photo)
     return found
 

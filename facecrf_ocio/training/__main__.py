@@ -66,7 +66,7 @@ def simulate_command(data: Path, parts: int, seed: int, processes: int, output: 
 @click.option(
     "--without",
     type=click.Choice(held_out_names()),
-    help="Responses to hold out: a fold of DoRF, of makers, or the measured stacks.",
+    help="Responses to hold out: a fold of DoRF, or of makers in one of the two other files.",
 )
 @click.option("--parts", default=PARTS, show_default=True)
 @click.option("--epochs", default=EPOCHS, show_default=True)

@@ -17,7 +17,7 @@ from facecrf_ocio.response.coverage import COVERAGE_BINS
 from facecrf_ocio.response.stops import NINETY_PERCENT, stops_error, uniform
 from facecrf_ocio.training.before_camera import read_head, read_surroundings
 from facecrf_ocio.training.curves import NO_ROW, Draw, fold_of_rows
-from facecrf_ocio.training.plan import STACKS, Data
+from facecrf_ocio.training.plan import Data
 from facecrf_ocio.training.simulate import Example, simulate
 from facecrf_ocio.values import Confidence, Float, InverseCRF
 
@@ -70,13 +70,15 @@ class _Names:
 
     def __init__(self, data: Data) -> None:
         self._film = fold_of_rows(len(data.curves().dorf))
-        self._published = assign_folds(read_responses(data.modern), FOLDS)
+        self._published, self._solved = (
+            assign_folds(read_responses(path), FOLDS) for path in (data.modern, data.stacks)
+        )
 
     def of(self, drawn: Draw) -> str:
         if drawn.family == 0:
             return f"dorf{self._film[drawn.row]}"
         if drawn.row >= len(self._published):
-            return STACKS
+            return f"stacks{self._solved[drawn.row - len(self._published)]}"
         return f"modern{self._published[drawn.row]}"
 
 
