@@ -10,13 +10,12 @@ from hypothesis import strategies as st
 
 from facecrf_ocio.joint.color_lines import bend_profile
 from facecrf_ocio.joint.edge_counts import EDGE_LEVELS
-from facecrf_ocio.joint.edges import edge_profile
+from facecrf_ocio.joint.edges import edge_profile, soft_edge_profile
 from facecrf_ocio.joint.noise_counts import count_noise
 from facecrf_ocio.joint.soft_edges import (
     SOFT_LEVELS,
     SOFT_SIZES,
     count_soft_edges,
-    soft_edge_profile,
 )
 
 PAIRS = EDGE_LEVELS * (EDGE_LEVELS - 1) // 2

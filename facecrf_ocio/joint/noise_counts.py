@@ -16,7 +16,12 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.joint.edge_counts import EDGE_LEVELS, count_edges
-from facecrf_ocio.joint.soft_edges import SOFT_LEVELS, SOFT_SIZES, count_soft_edges
+from facecrf_ocio.joint.soft_edges import (
+    CHANNEL_PAIRS,
+    SOFT_LEVELS,
+    SOFT_SIZES,
+    count_soft_edges,
+)
 from facecrf_ocio.photo.pixels import Pixels, eight_bit
 from facecrf_ocio.values import CHANNELS, Float, frozen
 
@@ -39,7 +44,6 @@ RESIDUES = np.array(
 LAGS = ((0, 1), (1, 0)), ((1, 1),), ((0, 2), (2, 0))
 BLOCK = 8  # [px] side of a JPEG's blocks
 
-_PAIRS = ((0, 1), (1, 2), (0, 2))  # of channels, each once
 _GREEN = 1  # index of the channel that a mosaic samples most densely
 _WHITE = 255  # [code value] of 8 bits
 _NEIGHBORS = np.ones((3, 3), np.uint8)  # a pixel and those whose second difference it is
@@ -153,7 +157,7 @@ class _Sums:
     def zeros() -> _Sums:
         return _Sums(
             np.zeros((SIZES, len(CHANNELS), LEVELS, RESIDUES.size)),
-            np.zeros((SIZES, len(_PAIRS), 2, LEVELS)),
+            np.zeros((SIZES, len(CHANNEL_PAIRS), 2, LEVELS)),
             np.zeros((len(LAGS), 2, LEVELS)),
             np.zeros((len(CHANNELS), _WHITE + 1)),
             np.zeros((2, BLOCK, 2)),
@@ -189,7 +193,7 @@ class _Sums:
         for channel, plane in enumerate(planes):
             self.histograms[size, channel] += _histogram(plane, size)
         signs, level = [plane.signs() for plane in planes], planes[_GREEN].level
-        for number, (one, other) in enumerate(_PAIRS):
+        for number, (one, other) in enumerate(CHANNEL_PAIRS):
             self.pairs[size, number] += _agreements(signs[one], signs[other], level)
         if size < _EDGE_SIZES:
             self.edges[size] += count_edges(channels[_GREEN], white)

@@ -21,6 +21,8 @@ SOFT_LEVELS = 8
 """Of 32 codes each."""
 SOFT_SIZES = (1, 2, 4, 8)
 """Pixels of the photo per sample; each alone says something, all together most."""
+CHANNEL_PAIRS = ((0, 1), (1, 2), (0, 2))
+"""Each once."""
 _FAINTEST = 14.0  # codes between both sides
 _LEAST, _MOST = 0.04, 0.45  # of the rise, in each of its four steps: monotone, and not at once
 _FLAT = 0.2  # of the rise, by which the sides themselves may rise
@@ -28,9 +30,6 @@ _BLACK, _WHITE = 0.5, 254.5  # [code value] below and from which a pixel is clip
 _LEVEL = 256 // SOFT_LEVELS  # codes
 _APART = 2  # columns, of the finest size alone: neighbors see the same edge, and cost the most
 _RUN = 7  # samples across an edge: both sides, three between them, and one beyond each side
-_FEW = 20.0  # edges at which a place is trusted by half; chosen by judgment, and trained with
-_DARK, _BRIGHT = np.triu_indices(SOFT_LEVELS, 1)  # every pair of levels once, the darker first
-_PAIRS = ((0, 1), (1, 2), (0, 2))  # of channels, each once
 
 Plane = npt.NDArray[np.float32]
 Places = npt.NDArray[np.intp]
@@ -70,35 +69,11 @@ def count_soft_edges(codes: npt.NDArray[np.uint8]) -> SoftEdges:
                 continue
             edges = [_Edges.down(np.ascontiguousarray(plane[:, ::step])) for plane in turned]
             seen += [edge.run for edge in edges]
-            both += [_seen_in_both(edges[one], edges[other]) for one, other in _PAIRS]
+            both += [_seen_in_both(edges[one], edges[other]) for one, other in CHANNEL_PAIRS]
         if seen:
             _count_middles(np.concatenate(seen, axis=1), middles[number])
             _count_lines(np.concatenate(both, axis=1), lines[number])
     return SoftEdges(middles.reshape(*lines.shape[:2], SOFT_LEVELS, 3), lines)
-
-
-def soft_edge_profile(*counts: Float) -> Float:
-    """Where the middles of soft edges lie, one after another by what was counted and by size.
-
-    Parameters
-    ----------
-    counts
-        Each as `SoftEdges.middles` has them.
-
-    Returns
-    -------
-    Float
-        Of each count and size 2 E + 1 numbers for E = 28 pairs of levels: how far the middle lies
-        above halfway, as far as there are edges to tell; the trust in it; and the logarithm of the
-        number of edges.
-    """
-    found = []
-    for size in np.concatenate(counts):
-        number, total, _ = size[_DARK, _BRIGHT].T
-        trust = number / (number + _FEW)
-        place = (total / np.maximum(number, 1.0) - 0.5) * trust
-        found += [place, trust, [np.log(number.sum() + 1.0)]]
-    return np.concatenate(found)
 
 
 def _reduced(plane: Plane, size: int) -> Plane:
