@@ -117,6 +117,9 @@ class GainMap:
         Primaries of the HDR light, if not those in which the gain is meant.
     base, orientation
         The encoded picture as JPEG, and how that is turned upright; empty where it is none.
+    centered
+        Whether a coarser map's pixels lie in the middle of those of the photo for which they stand
+        (HEIF), and not each at the first of them (JPEG).
     """
 
     values: npt.NDArray[np.float32]
@@ -130,6 +133,7 @@ class GainMap:
     rendition: Primaries | None = None
     base: bytes = field(default=b"", repr=False)
     orientation: int = 1
+    centered: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "values", frozen(self.values, np.float32))

@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -122,12 +123,14 @@ def map_rows(gain_map: GainMap, shape: tuple[int, ...], begin: int, end: int) ->
     """(end - begin, W, 3) of a coarser map: the four values around, weighed by nearness.
 
     Weights are one through the distance (Shepard), and the file's first pixel lies at the map's
-    first, as libultrahdr samples it; linear weights would be off by up to 3 % at edges.
+    first, as libultrahdr samples a JPEG's; linear weights would be off by up to 3 % at edges.
     """
     height, width = shape[:2]
     values, turned = gain_map.values, gain_map.orientation
     if values.shape[:2] == (height, width):
         return values[begin:end]
+    if gain_map.centered:
+        return _centered_rows(values, (height, width), begin, end)
     rows, columns = values.shape[:2]
     scale_y, scale_x = _scales(height / rows, width / columns, sideways=turned in _SIDEWAYS)
     total = np.zeros((end - begin, width, 1), np.float32)
@@ -142,6 +145,17 @@ def map_rows(gain_map: GainMap, shape: tuple[int, ...], begin: int, end: int) ->
             result += weight * values[row[begin:end, None], column[None]]
             total += weight
     return np.asarray(result / total)
+
+
+def _centered_rows(values: Float32, shape: tuple[int, int], begin: int, end: int) -> Float32:
+    """(end - begin, W, 3) linear between the middles of a map's pixels, as libavif scales it."""
+    height, width = shape
+    last = len(values) - 1
+    place = np.clip((np.arange(begin, end) + 0.5) * len(values) / height - 0.5, 0, last)
+    row = place.astype(np.intp)
+    below = (place - row).astype(np.float32)[:, None, None]
+    between = values[row] * (1 - below) + values[np.minimum(row + 1, last)] * below
+    return np.asarray(cv2.resize(between, (width, end - begin), interpolation=cv2.INTER_LINEAR))
 
 
 def _scales(y: float, x: float, *, sideways: bool) -> tuple[float, float]:

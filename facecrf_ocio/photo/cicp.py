@@ -52,6 +52,11 @@ def of_nclx(told: Mapping[str, Any] | None) -> CodePoints | None:
 def of_boxes(content: bytes) -> CodePoints | None:
     """Of the first color box of a file (ISO 14496-12, 12.1.5), whose range its decoder minds."""
     at = content.find(_BOX)
-    if at < 0 or len(content) < at + len(_BOX) + 4:
+    return None if at < 0 else of_color_box(content[at + 4 : at + 12])
+
+
+def of_color_box(held: bytes) -> CodePoints | None:
+    """Of what a color box holds; None where that is no code points."""
+    if held[:4] != _BOX[4:] or len(held) < 8:
         return None
-    return CodePoints(*struct.unpack_from(">HH", content, at + len(_BOX)))
+    return CodePoints(*struct.unpack_from(">HH", held, 4))

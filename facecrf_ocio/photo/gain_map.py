@@ -129,7 +129,9 @@ def _of_xmp(xmp: str) -> tuple[Float, ...]:
 
 def _of_iso(said: bytes) -> tuple[Float, ...]:
     """ISO 21496-1, annex C: versions, flags, headrooms, and five fractions a channel."""
-    flags = said[4]
+    least, flags = struct.unpack_from(">HxxB", said)
+    if least:
+        raise GainMapError(f"it asks for readers of version {least}")
     count = 3 if flags & _SEVERAL else 1
     if flags & _COMMON_DENOMINATOR:
         common, base, _ = struct.unpack_from(">3I", said, 5)
@@ -145,11 +147,10 @@ def _of_iso(said: bytes) -> tuple[Float, ...]:
     return _checked(*(_three(column) for column in columns))
 
 
-def item_numbers(said: bytes) -> tuple[Any, ...]:
+def item_numbers(said: bytes, rendition: Primaries | None) -> tuple[Any, ...]:
     """All of a `GainMap` but its values, by what the item `tmap` of a HEIF says."""
-    if len(said) > 4 and not said[4] & _BASE_SPACE:
-        raise GainMapError("it is meant in another color space than the photo's")
-    return (*_of_iso(said), "ISO 21496-1")
+    numbers = _of_iso(said)
+    return (*numbers, "ISO 21496-1", None if said[4] & _BASE_SPACE else rendition, rendition)
 
 
 def apple_numbers(told: str, headroom: float) -> tuple[Any, ...]:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from io import BytesIO
+from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -14,13 +18,14 @@ from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.photo.cicp import LINEAR, CodePoints, of_boxes, of_nclx
 from facecrf_ocio.photo.exif import apple_headroom, camera_of, load_exif
 from facecrf_ocio.photo.gain_map import APPLE, GainMapError, apple_numbers, item_numbers
+from facecrf_ocio.photo.heif_boxes import with_primary, without_brand
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_size
 from facecrf_ocio.photo.named_curve import named_curve
 from facecrf_ocio.photo.orientation import upright
 from facecrf_ocio.photo.picture import PhotoFile
 from facecrf_ocio.photo.pixels import is_gray, three_channels
 from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
-from facecrf_ocio.photo.tone_map_item import tone_map_item
+from facecrf_ocio.photo.tone_map_item import ToneMap, tone_map_item
 from facecrf_ocio.values import GainMap, Photo, frozen
 
 INSTALL = "install the extra (pip install 'facecrf-ocio[heif]'), or convert it to JPEG or TIFF"
@@ -52,9 +57,8 @@ def read_heif(file: PhotoFile, sha256: str) -> Photo:
     """
     content = file.content
     decoded = _read_avif(file) if content[8:12] in _AVIF else _read_heic(file)
-    color = decoded.codes[..., :3] if decoded.codes.shape[2] >= 3 else decoded.codes[..., 0]
     scale = np.float32(2**decoded.bits - 1)
-    encoded = np.divide(three_channels(color), scale, dtype=np.float32)
+    encoded = np.divide(three_channels(_color(decoded.codes)), scale, dtype=np.float32)
     encoded.flags.writeable = False
     alpha = decoded.codes[..., -1] / scale if decoded.codes.shape[2] in (2, 4) else None
     told, icc = decoded.told, decoded.icc
@@ -98,39 +102,108 @@ def _read_heic(file: PhotoFile) -> _Decoded:
 
 
 def _gain_map(heif: Any, exif: Any, content: bytes) -> tuple[GainMap | None, tuple[str, ...]]:
-    """A phone's gain map, which is an auxiliary image: Apple's, or what an item `tmap` is of."""
+    """A phone's gain map: an auxiliary image as Apple's, or what an item `tmap` is made of."""
     auxiliary = heif.info.get("aux", {})
     name = next((name for name in auxiliary if name.endswith(_GAIN_MAP) and auxiliary[name]), "")
-    told = b"" if name == APPLE else tone_map_item(content)
-    if not name or not (name == APPLE or told):
+    if name == APPLE:
+        return _set_aside_or(lambda: _of_apple(heif.get_aux_image(auxiliary[name][0]), exif))
+    told = tone_map_item(content)
+    if told is None or not (name or told.picture):
         return None, ()
+
+    def picture() -> Any:
+        import pillow_heif  # noqa: PLC0415 - the extra `heif`
+
+        if name:
+            return np.asarray(heif.get_aux_image(auxiliary[name][0]))
+        return np.asarray(pillow_heif.open_heif(BytesIO(with_primary(content, told.picture))))
+
+    return _set_aside_or(lambda: _of_item(told, picture(), heif.size))
+
+
+def _set_aside_or(found: Callable[[], GainMap]) -> tuple[GainMap | None, tuple[str, ...]]:
+    """A gain map; or none, and a note with the reason."""
     try:
-        numbers = apple_numbers("", apple_headroom(exif)) if name == APPLE else item_numbers(told)
-        values = three_channels(np.asarray(heif.get_aux_image(auxiliary[name][0])))
-        return GainMap(np.divide(values, np.float32(255), dtype=np.float32), *numbers), ()
-    except (GainMapError, ZeroDivisionError, struct.error, *_DAMAGE) as error:
+        return found(), ()
+    except (GainMapError, PhotoError, ZeroDivisionError, struct.error, *_DAMAGE) as error:
         return None, (f"its gain map was set aside: {plain_text(error)}",)
 
 
+def _of_apple(picture: Any, exif: Any) -> GainMap:
+    return GainMap(_shares(np.asarray(picture)), *apple_numbers("", apple_headroom(exif)))
+
+
+def _of_item(told: ToneMap, picture: Any, size: tuple[int, int]) -> GainMap:
+    """Of an item `tmap` and its map, for a photo of some width and height."""
+    numbers = item_numbers(told.numbers, told.rendition)
+    values = _shares(picture)
+    if values.shape[0] > size[1] or values.shape[1] > size[0]:  # as coarse as the photo, at most
+        values = np.asarray(cv2.resize(values, size, interpolation=cv2.INTER_AREA))
+    return replace(GainMap(values, *numbers), centered=True)
+
+
+def _shares(codes: Any) -> npt.NDArray[np.float32]:
+    """(h, w, 3) of 8-bit codes."""
+    colors = three_channels(_color(_planes(codes)))
+    return np.divide(colors, np.float32(255), dtype=np.float32)
+
+
 def _read_avif(file: PhotoFile) -> _Decoded:
-    from PIL import Image, features  # noqa: PLC0415
+    from PIL import features  # noqa: PLC0415
 
     if not features.check("avif"):
         raise PhotoError(file.path, "is AVIF, which needs Pillow 11.3 or newer", INSTALL)
     try:
-        with Image.open(file.path) as image:
-            check_size(file.path, *image.size)
-            exif = load_exif(image.info.get("exif", b""))
-            codes, icc = np.asarray(image), image.info.get("icc_profile") or b""
+        codes, exif, icc = _picture_of_avif(file)
     except _DAMAGE as error:
         raise _damaged(file, error) from error
-    note = ("its more than 8 bits were read as 8",) if _is_deep_avif(file.content) else ()
-    turned = upright(_planes(codes), int(exif.get(274, 1)))
-    return _Decoded(turned, 8, exif, icc, of_boxes(file.content), notes=note)
+    gain_map, notes = _map_of_avif(file, codes.shape)
+    if _is_deep_avif(file.content):
+        notes = (*notes, "its more than 8 bits were read as 8")
+    return _Decoded(codes, 8, exif, icc, of_boxes(file.content), gain_map, notes)
+
+
+def _picture_of_avif(file: PhotoFile) -> tuple[npt.NDArray[Any], Any, bytes]:
+    """The photo, though libavif may not like its gain map."""
+    try:
+        return _by_pillow(file.path, file.path)
+    except _DAMAGE:
+        plain = without_brand(file.content, b"tmap")
+        if plain == file.content:
+            raise
+        return _by_pillow(BytesIO(plain), file.path)
+
+
+def _map_of_avif(file: PhotoFile, shape: Sequence[int]) -> tuple[GainMap | None, tuple[str, ...]]:
+    told = tone_map_item(file.content)
+    if told is None or not told.picture:
+        return None, ()
+
+    def found() -> GainMap:
+        picture = BytesIO(with_primary(file.content, told.picture))
+        return _of_item(told, _by_pillow(picture, file.path)[0], (shape[1], shape[0]))
+
+    return _set_aside_or(found)
+
+
+def _by_pillow(source: Any, path: Path) -> tuple[npt.NDArray[Any], Any, bytes]:
+    """(H, W, C) codes of an AVIF's picture, upright; its EXIF and profile."""
+    from PIL import Image  # noqa: PLC0415
+
+    with Image.open(source) as image:
+        check_size(path, *image.size)
+        exif = load_exif(image.info.get("exif", b""))
+        codes, icc = np.asarray(image), image.info.get("icc_profile") or b""
+    return upright(_planes(codes), int(exif.get(274, 1))), exif, icc
 
 
 def _planes(codes: Any) -> Any:
     return codes if codes.ndim == 3 else codes[..., None]
+
+
+def _color(codes: Any) -> Any:
+    """Without alpha."""
+    return codes[..., :3] if codes.shape[2] >= 3 else codes[..., 0]
 
 
 def _is_deep_avif(content: bytes) -> bool:
