@@ -465,6 +465,7 @@ def test_a_manifest_of_the_version_before_is_understood(batch, facecrf, tmp_path
     batch()
     change(
         luts,
+        "DROP TABLE summaries",
         "DROP TABLE thumbnails",
         "DROP TABLE merges",
         "DROP INDEX outputs_alike",

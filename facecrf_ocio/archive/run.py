@@ -12,7 +12,7 @@ from facecrf_ocio.archive.cameras.registry import reopen_measured
 from facecrf_ocio.archive.in_the_way import Alike, in_the_way
 from facecrf_ocio.archive.job import REOPENED, Event, Job
 from facecrf_ocio.archive.manifest.database import DONE, GATHERED, UNSEEN, WRITING, Manifest, Stamp
-from facecrf_ocio.archive.manifest.thumbnail_rows import keep_thumbnail
+from facecrf_ocio.archive.manifest.summary_rows import keep_for_report
 from facecrf_ocio.archive.manifest.twin_rows import mark_duplicates
 from facecrf_ocio.archive.place import MOUNT, Place, alone, require_apart, source_identity
 from facecrf_ocio.archive.task import FAILED, GATHER, WHOLE, Result, Task
@@ -261,14 +261,14 @@ class _Run:
         if result.gathered is not None:
             with self.manifest.transaction():
                 self.manifest.gather(task.name, pending.stamp, result, pending.fingerprint)
-                keep_thumbnail(self.manifest, task.name, result)
+                keep_for_report(self.manifest, task.name, result)
             self.tell(Event(task.name, result, fresh=True, step=GATHERED))
             return
         stamp = pending.stamp if result.lasting else Stamp(UNSEEN, 0, self.recipe_sha256)
         self._remove_former(task, result)
         with self.manifest.transaction():
             self.manifest.finish(task.name, stamp, result, pending.fingerprint)
-            keep_thumbnail(self.manifest, task.name, result)
+            keep_for_report(self.manifest, task.name, result)
         self.tell(Event(task.name, result, fresh=True))
 
     def _record_written(self, task: Task, result: Result) -> None:
@@ -276,7 +276,7 @@ class _Run:
         self._remove_former(task, result)
         with self.manifest.transaction():
             self.manifest.written(task.name, result)
-            keep_thumbnail(self.manifest, task.name, result)
+            keep_for_report(self.manifest, task.name, result)
         self.tell(Event(task.name, result, fresh=True))
 
     def _remove_former(self, task: Task, result: Result) -> None:

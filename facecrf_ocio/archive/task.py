@@ -224,6 +224,8 @@ class Result:
         share of its pixels that moved.
     thumbnail
         For the report; None where the photo was not looked at, empty where none could be made.
+    summary
+        What the report tells of the record; empty without one.
     """
 
     outcome: str
@@ -241,6 +243,7 @@ class Result:
     lasting: bool = True
     merged: tuple[tuple[float, float], ...] = ()
     thumbnail: Thumbnail | None = None
+    summary: str = ""
 
 
 FAILED = "failed"

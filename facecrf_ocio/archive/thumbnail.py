@@ -20,6 +20,9 @@ SIDE = 96
 QUALITY = 60
 """Of WebP: at this size a better one cannot be told apart on a screen."""
 
+EFFORT = 4
+"""Of WebP, from 0 to 6, in trying what takes fewer bytes."""
+
 
 def is_linear(estimate: Estimate) -> bool:
     """Whether the photo's values are light as they are."""
@@ -45,7 +48,13 @@ def light_of(encoded: Pixels, inverse: InverseCRF | None, *, linear: bool) -> Pi
 
 
 def webps(
-    encoded: Pixels, light: Pixels | None, side: int = SIDE, quality: int = QUALITY, *, linear: bool
+    encoded: Pixels,
+    light: Pixels | None,
+    side: int = SIDE,
+    quality: int = QUALITY,
+    effort: int = EFFORT,
+    *,
+    linear: bool,
 ) -> tuple[bytes, bytes]:
     """A photo before and after as WebP, the second empty without light.
 
@@ -55,15 +64,15 @@ def webps(
         (H, W, 3) its values and its light.
     side
         [pixel] Longer side, unless the photo is smaller.
-    quality
+    quality, effort
         Of WebP.
     linear
         Whether its values are light, so that both show the same.
     """
     after = b""
     if light is not None:
-        after = _webp(encode_srgb(shrunk(light, side)).astype(np.float32), side, quality)
-    return after if linear else _webp(encoded, side, quality), after
+        after = _webp(encode_srgb(shrunk(light, side)).astype(np.float32), side, quality, effort)
+    return after if linear else _webp(encoded, side, quality, effort), after
 
 
 def shrunk(image: Pixels, side: int) -> Pixels:
@@ -89,9 +98,9 @@ def _halved(image: Pixels, least: int) -> Pixels:
     return image
 
 
-def _webp(encoded: Pixels, side: int, quality: int) -> bytes:
+def _webp(encoded: Pixels, side: int, quality: int, effort: int) -> bytes:
     values = code_values(encoded, 8) if encoded.dtype == np.uint8 else encoded
     codes = np.rint(255.0 * np.clip(shrunk(values, side), 0.0, 1.0)).astype(np.uint8)
     content = BytesIO()
-    Image.fromarray(codes).save(content, "WEBP", quality=quality, method=4)
+    Image.fromarray(codes).save(content, "WEBP", quality=quality, method=effort)
     return content.getvalue()

@@ -107,6 +107,23 @@ class Reader:
         row = self._base.execute(query, (key_of(photo),)).fetchone()
         return None if row is None else (row[0], row[1], row[2])
 
+    def summary(self, photo: str) -> tuple[object, object] | None:
+        """What is kept of what a photo's record tells: hash, text; None if nothing is."""
+        if not self._has("summaries"):
+            return None
+        query = "SELECT sha256, text FROM summaries WHERE photo = ?"
+        row = self._base.execute(query, (key_of(photo),)).fetchone()
+        return None if row is None else (row[0], row[1])
+
+    def output(self, name: str) -> Output | None:
+        """A written output, as it was written; None if there is none of the name."""
+        query = "SELECT * FROM outputs WHERE name = ? AND size != ?"
+        row = self._base.execute(query, (key_of(name), CLAIMED)).fetchone()
+        if row is None:
+            return None
+        fields = Fields(row)
+        return Output(name, fields.whole("size"), fields.text("sha256"), fields.whole("written_ns"))
+
     def _has(self, table: str) -> bool:
         there = self._base.execute("SELECT 1 FROM sqlite_master WHERE name = ?", (table,))
         return there.fetchone() is not None

@@ -48,6 +48,9 @@
     `photo` (key), `before` and `after` (WebP, 96 pixels: as it is, and by its curve; empty without
     one), `sha256` (of the photo's own hash and both pictures, by which another photo's and a
     damaged one are told).
+`summaries`, one row a photo with a record, for the report
+    `photo` (key), `text` (JSON: what a report tells of the record), `sha256` (of the record's own
+    hash and the text, by which another record's and a damaged one are told).
 `about`
     `key`, `value`: `schema`; `source` (folder of the photos); `recipe HASH` (JSON: how photos of
     that recipe were treated, for whoever makes outputs again); `cpu` (JSON: the processors that
@@ -64,7 +67,7 @@ import sqlite3
 
 from facecrf_ocio.archive.manifest.keys import folded, key_of
 
-VERSION = 5  # of the tables below; one more for each change of them
+VERSION = 6  # of the tables below; one more for each change of them
 
 _ABOUT = "CREATE TABLE IF NOT EXISTS about (key TEXT PRIMARY KEY, value TEXT NOT NULL)"
 _FIRST = (
@@ -166,7 +169,14 @@ _FIFTH = (
     )
     """,
 )
-_STEPS = (_FIRST, _SECOND, _THIRD, _FOURTH, _FIFTH)
+_SIXTH = (
+    """
+    CREATE TABLE summaries (
+        photo TEXT PRIMARY KEY REFERENCES photos(name), sha256 TEXT NOT NULL, text TEXT NOT NULL
+    )
+    """,
+)
+_STEPS = (_FIRST, _SECOND, _THIRD, _FOURTH, _FIFTH, _SIXTH)
 
 
 def bring_up(base: sqlite3.Connection) -> int:

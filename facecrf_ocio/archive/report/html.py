@@ -5,11 +5,12 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import datetime
 from html import escape
 from importlib.resources import files
 from itertools import islice
+from pathlib import Path
 from typing import TypeVar
 
 from facecrf_ocio import __version__
@@ -22,7 +23,9 @@ from facecrf_ocio.archive.report.small_curves import (
     drawn_from_json,
     srgb_samples,
 )
+from facecrf_ocio.archive.task import Thumbnail
 from facecrf_ocio.archive.thumbnail import SIDE
+from facecrf_ocio.files.atomic import Draft
 from facecrf_ocio.response.stops import NINETY_PERCENT
 
 BLOCK = 50
@@ -58,6 +61,16 @@ class _Words:
         return tuple(self._places)
 
 
+def page_draft(path: Path, pieces: Iterable[bytes]) -> Draft:
+    """The file that a page becomes."""
+
+    def write(temporary: Path) -> None:
+        with temporary.open("wb") as file:
+            file.writelines(pieces)
+
+    return Draft(path, write, lambda _: None)
+
+
 def this_minute() -> str:
     """When a page is made: the local time, as pages tell it."""
     return datetime.now().astimezone().isoformat(sep=" ", timespec="minutes")
@@ -71,8 +84,8 @@ def render(
     source_is_there: bool,
     links: tuple[str, str] = ("", ""),
     title: str = ARCHIVE_PAGE,
-) -> bytes:
-    """Return the HTML of a report.
+) -> Iterator[bytes]:
+    """Yield the HTML of a report in pieces, since tens of megabytes are not to be held twice.
 
     Parameters
     ----------
@@ -104,7 +117,7 @@ def render(
         "links": links,
         "pictured": len(pictures),
         "large": sum(item.large is not None for item in pictures.values()),
-        "small": sum(1 for item in pictures.values() if item.before and not item.large),
+        "small": sum(map(_is_small, pictures.values())),
         "srgb": srgb_samples(),
         "stopsRange": STOPS_RANGE,
         "ninety": NINETY_PERCENT,
@@ -113,14 +126,38 @@ def render(
         "columns": columns,
         "words": words.texts,
     }
-    blocks = {"data": _json(data), "curves": _json(curves.texts)}
-    shown = [pictures[row.name] for row in archive.rows if row.name in pictures]
+    head, tail = _around(title)
+    yield _utf8(head)
+    yield _element("data", data)
+    yield _element("curves", curves.texts)
+    yield from _pictures([pictures[row.name] for row in archive.rows if row.name in pictures])
+    yield _utf8(tail)
+
+
+def _pictures(shown: Sequence[Pictures]) -> Iterator[bytes]:
     for number, block in enumerate(_batched(shown, BLOCK)):
-        blocks[f"pictures-{number}"] = _json([[item.before, item.after] for item in block])
+        yield _element(f"pictures-{number}", [_texts(item.small) for item in block])
     for number, item in enumerate(shown):
         if item.large is not None:
-            blocks[f"large-{number}"] = _json(item.large)
-    return _assemble(blocks, title)
+            yield _element(f"large-{number}", _texts(item.large))
+
+
+def _is_small(shown: Pictures) -> bool:
+    return shown.small is not None and shown.small.before != b"" and shown.large is None
+
+
+def _texts(webps: Thumbnail | None) -> list[str]:
+    webps = webps or Thumbnail(b"")
+    return [base64.b64encode(webp).decode() for webp in (webps.before, webps.after)]
+
+
+def _element(name: str, value: object) -> bytes:
+    return _utf8(f'<script type="application/json" id="{name}">{_json(value)}</script>\n')
+
+
+def _utf8(text: str) -> bytes:
+    # What UTF-8 cannot hold becomes JSON's own escape: it can stand in the data alone.
+    return text.encode("utf-8", "backslashreplace")
 
 
 def _columns(
@@ -218,7 +255,8 @@ def _json(value: object) -> str:
     return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
 
 
-def _assemble(blocks: Mapping[str, str], title: str) -> bytes:
+def _around(title: str) -> tuple[str, str]:
+    """What stands before a page's data, and what after it."""
     head, body = _source("head.html"), _source(_BODIES[title])
     style, script = _source("page.css"), page_script()
     # Nothing may run or be styled but what is hashed here; nothing may be fetched at all.
@@ -226,17 +264,12 @@ def _assemble(blocks: Mapping[str, str], title: str) -> bytes:
         f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; "
         "img-src data:; base-uri 'none'; form-action 'none'; require-trusted-types-for 'script'"
     )
-    elements = "\n".join(
-        f'<script type="application/json" id="{name}">{text}</script>'
-        for name, text in blocks.items()
-    )
     body, _, tail = body.partition("<!-- data -->")
     head = head.replace("<!-- policy -->", escape(policy, quote=True))
     head = head.replace("<!-- title -->", title)
     head = head.replace("/* style */", style)
     tail = tail.replace("/* script */", script)
-    # What UTF-8 cannot hold becomes JSON's own escape: it can stand in the data alone.
-    return (head + body + elements + tail).encode("utf-8", "backslashreplace")
+    return head + body, tail
 
 
 def page_script() -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
 import numpy as np
@@ -11,7 +11,8 @@ import numpy.typing as npt
 from PIL import Image, ImageOps
 
 from facecrf_ocio.archive.report.contents import Archive, Row
-from facecrf_ocio.archive.report.pictures import Pictures, told, with_images, with_thumbnail
+from facecrf_ocio.archive.report.pictures import Pictures, with_images
+from facecrf_ocio.archive.report.record_summary import Summary, summary_in, summary_of_record
 from facecrf_ocio.archive.task import Thumbnail
 from facecrf_ocio.archive.thumbnail import SIDE
 from facecrf_ocio.errors import FaceCRFError
@@ -31,10 +32,16 @@ NOT_OPENED = "Not opened again, since it could not be read before."
 _JPEG = suffixes_named("JPEG")
 
 
-def pictures_of(
-    archive: Archive, row: Row, kept: Thumbnail | None = None, large: int = 0
-) -> Pictures:
-    """Read a photo's sidecar, and take the thumbnail that was kept, or make pictures of the photo.
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """What a batch kept of a photo for its report: None and empty where it kept nothing."""
+
+    thumbnail: Thumbnail | None = None
+    summary: str = ""
+
+
+def pictures_of(archive: Archive, row: Row, kept: Kept = Kept(), large: int = 0) -> Pictures:
+    """Take the thumbnail and the summary that were kept; or read the photo, and its record.
 
     The photo is read, without being changed, where none was kept, or large ones are wanted.
 
@@ -43,20 +50,24 @@ def pictures_of(
     """
     if row.kind == "failed":
         return Pictures(missing=NOT_OPENED)
-    sidecar, problem = _sidecar(archive.folder, row)
-    shown = Pictures() if sidecar is None else told(sidecar.estimate, _files(archive, row, sidecar))
-    inverse = None if sidecar is None else sidecar.estimate.found
+    small = kept.thumbnail
+    summary = summary_in(kept.summary) if kept.summary and small and not large else None
+    sidecar, problem = (None, "") if summary is not None else _sidecar(archive.folder, row)
+    if sidecar is not None:
+        summary = summary_of_record(sidecar)
+    shown = Pictures() if summary is None else _with_files(archive, row, summary)
     linear = row.outcome == str(Outcome.ALREADY_LINEAR)
     try:
         _require_unchanged(archive.source, row)
-        has_light = linear or inverse is not None
-        if kept is not None and not large and (kept.after or not has_light):
-            kept = kept if has_light else Thumbnail(kept.before)
-            return with_thumbnail(replace(shown, missing=problem), kept)
+        has_light = linear or shown.curve is not None
+        if small is not None and not large and (small.after or not has_light):
+            small = small if has_light else Thumbnail(small.before)
+            return replace(shown, missing=problem, small=small)
         encoded = _read(_path(archive.source, row), max(SIDE, large), linear=linear)
     except _MissingError as missing:
         return replace(shown, missing=str(missing))
     shown = replace(shown, missing=problem)
+    inverse = None if sidecar is None else sidecar.estimate.found
     return with_images(shown, encoded, inverse, linear=linear, large=large)
 
 
@@ -64,12 +75,13 @@ class _MissingError(Exception):
     """A photo of which there is no picture; the text says why."""
 
 
-def _files(archive: Archive, row: Row, sidecar: Sidecar) -> tuple[str, ...]:
-    """Names of the photo's files below the outputs: LUTs, the EXR if there is one, the record."""
+def _with_files(archive: Archive, row: Row, summary: Summary) -> Pictures:
+    """With names of the photo's files below the outputs: LUTs, the EXR if any, the record."""
     folder = PurePosixPath(row.name).parent
     exr = output_name(row.name, EXR)
     exrs = [exr] if (archive.folder / exr).is_file() else []
-    return (*(str(folder / each) for each in sidecar.luts), *exrs, output_name(row.name, RECORD))
+    luts = (str(folder / each) for each in summary.luts)
+    return replace(summary.shown, files=(*luts, *exrs, output_name(row.name, RECORD)))
 
 
 def _path(source: Path | None, row: Row) -> Path:
@@ -98,20 +110,19 @@ def _sidecar(folder: Path, row: Row) -> tuple[Sidecar | None, str]:
 
 
 def _read(path: Path, side: int, *, linear: bool) -> Pixels:
-    """(H, W, 3) values of the file, upright; of a JPEG codes, no more than twice what is shown."""
+    """(H, W, 3) values of the file, upright; of a JPEG codes, as few as are shown."""
     try:
         if path.suffix.lower() in _JPEG and not linear:
-            return _read_jpeg(path, 2 * side)
+            return _read_jpeg(path, side)
         return np.asarray(read_photo(path).encoded, np.float32)
     except Exception:  # decoders raise all kinds, and one photo must not cost the report
         raise _MissingError(UNREADABLE) from None
 
 
 def _read_jpeg(path: Path, side: int) -> npt.NDArray[np.uint8]:
-    """Decode only the low frequencies, many times as fast as the whole."""
+    """Decode only the low frequencies: one to two pixels for each of the longer side, mostly."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of damaged metadata; its size the batch has checked
         with Image.open(path) as image:
             image.draft(None, (side, side))
-            image.thumbnail((side, side), Image.Resampling.BOX)
             return np.array(ImageOps.exif_transpose(image).convert("RGB"))

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from facecrf_ocio.archive.report.contents import KINDS, Archive, Row
-from facecrf_ocio.archive.report.html import PHOTO_PAGE, render, this_minute
+from facecrf_ocio.archive.report.html import PHOTO_PAGE, page_draft, render, this_minute
 from facecrf_ocio.archive.report.links import relative_url, require_page
 from facecrf_ocio.archive.report.pictures import told, with_images
 from facecrf_ocio.archive.thumbnail import is_linear
-from facecrf_ocio.files.atomic import Draft, write_files
+from facecrf_ocio.files.atomic import write_files
 from facecrf_ocio.values import Estimate, Photo
 from facecrf_ocio.wording.sentence import COMMAND_LINE
 
@@ -50,7 +50,7 @@ def write_photo_page(
         shown, photo.encoded, estimate.found, linear=is_linear(estimate), large=LARGE_SIDE
     )
     folder = files[0].parent if files else path.parent
-    content = render(
+    page = render(
         Archive(folder, None, (row,), (), ()),
         {row.name: shown},
         generated=this_minute(),
@@ -58,7 +58,7 @@ def write_photo_page(
         links=(_address(path, photo), relative_url(path, folder)),
         title=PHOTO_PAGE,
     )
-    return write_files([Draft(path, content, lambda _: None)], overwrite=overwrite)[0]
+    return write_files([page_draft(path, page)], overwrite=overwrite)[0]
 
 
 def _address(page: Path, photo: Photo) -> str:

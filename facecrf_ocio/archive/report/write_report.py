@@ -8,15 +8,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from facecrf_ocio.archive.check_outputs import REPORT
-from facecrf_ocio.archive.manifest.read_only import reading
+from facecrf_ocio.archive.manifest.read_only import Reader, reading
+from facecrf_ocio.archive.manifest.summary_rows import summary_text_in
 from facecrf_ocio.archive.manifest.thumbnail_rows import thumbnail_in
 from facecrf_ocio.archive.report.contents import Archive, Row, read_archive
-from facecrf_ocio.archive.report.html import ARCHIVE_PAGE, render, this_minute
+from facecrf_ocio.archive.report.html import ARCHIVE_PAGE, page_draft, render, this_minute
 from facecrf_ocio.archive.report.links import relative_url, require_page
-from facecrf_ocio.archive.report.look_again import pictures_of
+from facecrf_ocio.archive.report.look_again import Kept, pictures_of
 from facecrf_ocio.archive.report.pictures import Pictures
-from facecrf_ocio.archive.task import Thumbnail
-from facecrf_ocio.files.atomic import Draft, write_files
+from facecrf_ocio.files.atomic import write_files
 from facecrf_ocio.files.threads import one_opencv_thread
 
 PICTURED = 10_000
@@ -85,9 +85,9 @@ def write_report(
     now = this_minute()
     photos = relative_url(path, archive.source) if there and archive.source is not None else ""
     links = (photos, relative_url(path, folder))
-    content = render(archive, pictures, generated=now, source_is_there=there, links=links)
-    write_files([Draft(path, content, lambda _: None)], overwrite=overwrite)
-    return Written(path, len(content), len(archive.rows), len(pictures), there)
+    page = render(archive, pictures, generated=now, source_is_there=there, links=links)
+    write_files([page_draft(path, page)], overwrite=overwrite)
+    return Written(path, path.stat().st_size, len(archive.rows), len(pictures), there)
 
 
 def _pictures(
@@ -99,13 +99,18 @@ def _pictures(
     )[: counts[0]]
     large = {row.name for row in chosen[: counts[1]]}
 
-    def pictures(row: Row, kept: Thumbnail | None) -> Pictures:
+    def pictures(row: Row, kept: Kept) -> Pictures:
         made = pictures_of(archive, row, kept, LARGE_SIDE if row.name in large else 0)
         watch(len(chosen))
         return made
 
     with reading(archive.folder) as manifest:
-        kept = [thumbnail_in(manifest, row.name, row.sha256) for row in chosen]
+        kept = [_kept(manifest, row, archive.folder) for row in chosen]
     with one_opencv_thread(), ThreadPoolExecutor(jobs) as readers:
         found = readers.map(pictures, chosen, kept)
         return {row.name: pictures for row, pictures in zip(chosen, found, strict=True)}
+
+
+def _kept(manifest: Reader, row: Row, folder: Path) -> Kept:
+    thumbnail = thumbnail_in(manifest, row.name, row.sha256)
+    return Kept(thumbnail, summary_text_in(manifest, row.name, folder))

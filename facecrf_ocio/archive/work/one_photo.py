@@ -15,6 +15,7 @@ from time import perf_counter
 from typing import Any
 
 from facecrf_ocio.archive.cameras.told import face_json, told_before
+from facecrf_ocio.archive.report.record_summary import summary_of
 from facecrf_ocio.archive.task import (
     FAILED,
     GATHER,
@@ -45,7 +46,7 @@ from facecrf_ocio.pair.code_samples import take_samples
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.photo.shot import read_shot
 from facecrf_ocio.record.demand import Demand, demand
-from facecrf_ocio.record.output_names import EXR, output_path
+from facecrf_ocio.record.output_names import EXR, RECORD, output_path
 from facecrf_ocio.record.outputs import write_outputs
 from facecrf_ocio.values import Estimate, Photo
 
@@ -93,7 +94,8 @@ def _attempt(task: Task) -> Result:
         result, estimate = _estimate(task, photo)
         done = perf_counter() if task.estimate is None else read
         names = () if estimate.found is None else _write(task, photo, estimate)
-        result = replace(result, thumbnail=thumbnail_of(photo, estimate))
+        summary = summary_of(estimate, _luts(names)) if names else ""
+        result = replace(result, thumbnail=thumbnail_of(photo, estimate), summary=summary)
         outputs = tuple(_described(task.place.folder, path) for path in names)
     except Exception as error:  # whatever a library or we raise costs this photo, not the run
         return replace(failure_of(error), sha256=sha256)
@@ -195,6 +197,10 @@ def _write(task: Task, photo: Photo, estimate: Estimate) -> tuple[Path, ...]:
         how: dict[str, Any] = {"exposure": exposure, "overwrite": task.overwrite}
         written += (write_linear(exr, photo, estimate, **how),)
     return written
+
+
+def _luts(written: tuple[Path, ...]) -> tuple[str, ...]:
+    return tuple(path.name for path in written if not path.name.endswith((RECORD, EXR)))
 
 
 def _described(folder: Path, path: Path) -> Output:

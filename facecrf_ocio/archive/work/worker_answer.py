@@ -26,6 +26,7 @@ _MOST = float(1 << 63)  # the manifest's whole numbers are below
 _LONGEST = 1 << 26  # [byte] evidence of a photo; real one takes less than 200 kB
 
 _LARGEST = 1 << 16  # [byte] a thumbnail; 96 pixels of noise take less than 10 kB
+_WORDIEST = 1 << 16  # characters of a summary; real ones have some 2,000
 
 
 def checked(task: Task, said: object) -> Result:
@@ -51,6 +52,7 @@ def checked(task: Task, said: object) -> Result:
         _require(_is_number(number))
     _require_outputs(task, said.outputs)
     _require(said.thumbnail is None or _is_thumbnail(said.thumbnail))
+    _require(isinstance(said.summary, str) and len(said.summary) < _WORDIEST)
     make, model, serial, software = map(plain_text, said.camera)
     return replace(
         said,

@@ -11,17 +11,19 @@ from pathlib import Path
 from PIL import Image
 
 from facecrf_ocio.archive.manifest.database import Manifest, Stamp
-from facecrf_ocio.archive.manifest.thumbnail_rows import keep_thumbnail
+from facecrf_ocio.archive.manifest.summary_rows import keep_for_report
 from facecrf_ocio.archive.report import write_report
+from facecrf_ocio.archive.report.record_summary import summary_of
 from facecrf_ocio.archive.report.write_report import LARGE
-from facecrf_ocio.archive.task import Result
-from facecrf_ocio.archive.thumbnail import QUALITY, SIDE, thumbnail_of
+from facecrf_ocio.archive.task import Output, Result
+from facecrf_ocio.archive.thumbnail import EFFORT, QUALITY, SIDE, thumbnail_of
 from facecrf_ocio.benchmark.speed.race import race
 from facecrf_ocio.benchmark.speed.speed_row import SpeedRow
 from facecrf_ocio.benchmark.speed.subjects import portrait
 from facecrf_ocio.calibrate import calibrate
 from facecrf_ocio.files.threads import usable_cores
 from facecrf_ocio.photo.read import read_photo
+from facecrf_ocio.record.output_names import RECORD, output_name
 from facecrf_ocio.record.outputs import write_outputs
 from facecrf_ocio.settings import Settings
 
@@ -62,7 +64,10 @@ def _archive(photos: Path, outputs: Path, count: int, megapixels: float) -> Path
     first = portrait(photos / "0.jpg", megapixels)
     read = read_photo(first)
     estimate = calibrate(read)
-    write_outputs(read, estimate, Settings(), outputs)
+    written = write_outputs(read, estimate, Settings(), outputs)
+    summary = summary_of(estimate, tuple(path.name for path in written[:-1]))
+    record = outputs / "0.jpg.crf.json"
+    content, made = record.read_bytes(), record.stat().st_mtime_ns
     thumbnail = thumbnail_of(read, estimate)
     status, digest = first.stat(), sha256(first.read_bytes()).hexdigest()
     manifest = Manifest(outputs)
@@ -70,17 +75,20 @@ def _archive(photos: Path, outputs: Path, count: int, megapixels: float) -> Path
     with manifest.transaction():
         for number in range(count):
             name = f"{number}.jpg"
+            own = output_name(name, RECORD)
             if number:
                 os.link(first, photos / name)
-                os.link(outputs / "0.jpg.crf.json", outputs / f"{name}.crf.json")
+                os.link(record, outputs / own)
             told = Result(
                 *("calibrated", "weak", "joint", estimate.reason),
                 sha256=digest,
+                outputs=(Output(own, len(content), sha256(content).hexdigest(), made),),
                 thumbnail=thumbnail,
+                summary=summary,
             )
             stamp = Stamp(status.st_size, status.st_mtime_ns, "recipe")
             manifest.finish(name, stamp, told)
-            keep_thumbnail(manifest, name, told)
+            keep_for_report(manifest, name, told)
     manifest.close()
     return first
 
@@ -89,4 +97,4 @@ def _thumbnail(photo: Path) -> None:
     with Image.open(photo) as image:
         image.draft(None, (2 * SIDE, 2 * SIDE))
         image.thumbnail((SIDE, SIDE), Image.Resampling.BOX)
-        image.save(BytesIO(), "WEBP", quality=QUALITY, method=4)
+        image.save(BytesIO(), "WEBP", quality=QUALITY, method=EFFORT)
