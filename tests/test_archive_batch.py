@@ -179,6 +179,16 @@ def test_a_photo_whose_process_crashes_is_tried_once_more(task):
         assert result.outcome == "fallback"
 
 
+def test_a_worker_that_is_starting_is_deaf_to_ctrl_c(task):
+    with Workers(1, Limits()) as workers:
+        workers.submit(task)
+        process = workers._workers[0].process
+        os.kill(process.pid, signal.SIGINT)
+        ((_, result),) = workers.results()
+        assert result.outcome == "fallback"
+        assert workers._workers[0].process is process
+
+
 def test_a_photo_that_crashes_twice_is_listed_and_the_next_one_is_done(task, monkeypatch):
     with Workers(1, Limits()) as workers:
         hire = workers._hire

@@ -36,6 +36,7 @@ from facecrf_ocio.cli.sections import EXAMPLES, SECTIONS
 from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
 from facecrf_ocio.color.working_space import WORKING_SPACES, working_space_matrix
 from facecrf_ocio.errors import OutputError
+from facecrf_ocio.files import atomic, versions
 from facecrf_ocio.files.atomic import Draft
 from facecrf_ocio.record.sidecar import read_sidecar
 
@@ -87,11 +88,30 @@ class TestHelp:
         assert "..." not in told.split("Options:")[1]
         assert max(map(len, told.splitlines())) <= 80
 
+    @pytest.mark.parametrize("group", ["bench", "cameras"])
+    def test_of_a_group_tells_each_command_in_a_whole_sentence(
+        self, facecrf: CommandLine, group: str
+    ) -> None:
+        told = facecrf(group, "--help").out
+        assert "..." not in told.partition("Commands:")[2]
+        assert all(f"  {name} " in told for name in main.commands[group].commands)
+
+    @pytest.mark.parametrize("columns", [60, 80])
+    @pytest.mark.parametrize("name", [name for names in SECTIONS.values() for name in names])
+    def test_fits_the_terminal_except_for_commands_to_be_copied(
+        self, facecrf: CommandLine, monkeypatch: pytest.MonkeyPatch, name: str, columns: int
+    ) -> None:
+        monkeypatch.setenv("COLUMNS", str(columns))
+        told = facecrf(name, "--help").out.splitlines()
+        wide = [line for line in told if len(line) > columns]
+        assert [line for line in wide if " facecrf " not in line] == []
+
     @pytest.mark.parametrize("line", [line for lines in EXAMPLES.values() for line in lines])
     def test_examples_are_right_usage(self, line: str) -> None:
         _, name, *arguments = shlex.split(line)
         command = main.commands[name]
         command.make_parser(click.Context(command)).parse_args(list(arguments))
+        assert main.commands[name].epilog is not None
         if isinstance(command, click.Group):
             assert arguments[0] in command.commands
 
@@ -653,6 +673,77 @@ class TestProgress:
         drawn = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", shown.decode())
         lines = re.split(r"[\r\n]+", drawn)
         return max((len(line) for line in lines if "\u2501" in line or "\u2578" in line), default=0)
+
+    def test_what_is_said_above_a_bar_of_several_lines_stays(self, tmp_path: Path) -> None:
+        (tmp_path / "in").mkdir()
+        for name in "ab":
+            write_noise(tmp_path / "in" / f"{name}.png")
+        (tmp_path / "in" / "a.png").write_bytes(b"")
+        options = ("--estimator", "mean", "--jobs", "1", "--formats", "spi1d")
+        _, shown = self.run(tmp_path, "batch", "in", "-o", "out", *options, columns=50)
+        lines = self.screen(shown)
+        assert " ".join(line.strip() for line in lines[:3]).startswith(
+            "facecrf: a.png: failed: is empty (zero bytes); copy it again from the camera or "
+            "from a backup 2 of 2 photos"
+        )
+        assert lines[-1] == "  to look at it: facecrf report out"
+
+    @staticmethod
+    def screen(shown: bytes) -> list[str]:
+        """What stays of what a terminal was sent: lines up, lines cleared, begun again."""
+        lines, row, begun = [""], 0, True
+        moves = re.compile(r"\x1b\[([0-9;?]*)([A-Za-z])|(\r)|(\n)|([^\x1b\r\n]+)")
+        for number, what, to_start, down, text in moves.findall(shown.decode()):
+            if what == "A":
+                row = max(row - int(number or 1), 0)
+            elif what == "K":
+                lines[row] = ""
+            elif to_start:
+                begun = True
+            elif down:
+                row += 1
+                lines += [""] * (row + 1 - len(lines))
+                begun = True
+            elif text:
+                lines[row] = text if begun else lines[row] + text
+                begun = False
+        return [line.rstrip() for line in lines if line.strip()]
+
+
+class TestInterrupted:
+    """Ctrl-C is one line, a code of its own, and nothing half written."""
+
+    @pytest.mark.parametrize("kind", ["at once", "while a library is loaded"])
+    def test_is_told_in_one_line(
+        self, facecrf: CommandLine, monkeypatch: pytest.MonkeyPatch, kind: str
+    ) -> None:
+        def stop() -> None:
+            try:
+                raise KeyboardInterrupt
+            except KeyboardInterrupt as interrupt:
+                if kind == "at once":
+                    raise
+                raise ImportError("initialization failed") from interrupt
+
+        monkeypatch.setattr(versions, "versions", stop)
+        ended = facecrf("doctor")
+        assert (ended.code, ended.out) == (130, "")
+        assert ended.err.startswith("facecrf: interrupted; ")
+        assert ended.err.count("\n") == 1
+
+    def test_what_was_done_is_whole_and_the_rest_is_not_there(
+        self, facecrf: CommandLine, tmp_path: Path, out: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        photos = [write_noise(tmp_path / f"{name}.png") for name in "ab"]
+
+        def stop(_: Path) -> None:
+            if (out / "b.png.spi1d").exists():
+                raise KeyboardInterrupt
+
+        monkeypatch.setattr(atomic, "_sync_folder", stop)
+        ended = facecrf("calibrate", *photos, "-o", out, *BLIND)
+        assert (ended.code, ended.err.count("\n")) == (130, 1)
+        assert names_in(out) == ALL
 
 
 class TestManyPhotos:

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import PyOpenColorIO as ocio  # noqa: N813
 import pytest
+from command_line import CommandLine
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lut_files import LOG_TO_INFINITY, MIXES, half_floats, matrix, write_clf, write_half_domain
@@ -499,6 +500,28 @@ def test_what_cannot_be_read_is_an_error(tmp_path: Path) -> None:
         lint(tmp_path / "a.cube")
     with pytest.raises(LutError, match="lint knows"):
         lint(tmp_path / "a.exr")
+
+
+def test_a_run_tells_how_many_files_it_looked_at(facecrf: CommandLine, tmp_path: Path) -> None:
+    (tmp_path / "below").mkdir()
+    (tmp_path / "a.cube").write_text(CUBE)
+    (tmp_path / "below" / "b.cube").write_text(CUBE)
+    (tmp_path / "below" / "notes.txt").write_text("no LUT")
+    ended = facecrf("lint", tmp_path)
+    assert (ended.code, ended.out) == (0, "2 LUTs looked at: nothing is wrong\n")
+    file, text, *_ = BROKEN["decreasing"]
+    (tmp_path / file).write_text(text)
+    ended = facecrf("lint", tmp_path / "below" / "b.cube", tmp_path / file)
+    assert ended.code == 6
+    told = "2 LUTs looked at: 1 clean, 1 with what is told above"
+    assert ended.out.splitlines()[-1] == told
+    assert facecrf("lint", "--json", tmp_path / "below").out == ""
+
+
+def test_a_folder_without_a_lut_is_told(facecrf: CommandLine, tmp_path: Path) -> None:
+    ended = facecrf("lint", tmp_path)
+    assert (ended.code, ended.out) == (3, "")
+    assert ended.err == f"facecrf: {tmp_path}: holds no LUT; name another folder, or a file\n"
 
 
 ENDS = {"clean": 0, "jump": 5, "codes as domain": 5, "decreasing": 6, "length": 7, "words, .clf": 7}

@@ -91,7 +91,15 @@ def test_linear_files_need_nothing():
 def test_every_topic_is_explained_in_lines_that_fit_a_terminal(topic):
     result = CliRunner().invoke(main, ["explain", topic])
     assert result.output == explanation(topic)
-    assert max(map(len, result.output.splitlines())) <= 88
+    assert max(map(len, result.output.splitlines())) <= 80
+
+
+@pytest.mark.parametrize("topic", TOPICS)
+@pytest.mark.parametrize("width", [30, 60])
+def test_explanations_keep_their_words_where_a_terminal_is_narrow(topic, width):
+    narrow = explanation(topic, width)
+    assert max(map(len, narrow.splitlines())) <= width
+    assert narrow.split() == explanation(topic).split()
 
 
 def test_every_verdict_and_outcome_is_explained():

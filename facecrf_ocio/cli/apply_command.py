@@ -9,7 +9,7 @@ import click
 from facecrf_ocio.cli.linearize_command import require_exr_free
 from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import PHOTO_PATH, TEXT_PATH, exr_options
-from facecrf_ocio.cli.terminal import DONE, ending_well, one_line
+from facecrf_ocio.cli.terminal import DONE, ending_well, one_line, say
 
 
 @click.command()
@@ -52,6 +52,6 @@ def apply(
             compression=compression,
             overwrite=overwrite,
         )
-    click.echo(one_line(f"{photo}: sent through {lut}"))
+    say(f"{photo}: sent through {lut}")
     click.echo(one_line(f"  {written}"))
     return DONE

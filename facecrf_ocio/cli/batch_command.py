@@ -29,7 +29,8 @@ from facecrf_ocio.cli.terminal import (
     UNREADABLE,
     complain,
     ending_well,
-    one_line,
+    interrupted,
+    say,
     tell_json,
 )
 from facecrf_ocio.errors import LutError, in_options
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
     from facecrf_ocio.archive.job import Event, Job
     from facecrf_ocio.archive.work.cluster import Cluster
 
-INTERRUPTED = 130  # exit code of what Ctrl-C ended: 128 + SIGINT, as shells have it
 _TLS = ("tls_ca", "tls_cert", "tls_key")
 
 
@@ -147,9 +147,9 @@ def batch(
             write_list(job.folder, table)
         if sys.stderr.isatty():
             next_step = f"facecrf report {shlex.quote(str(output))}"
-            click.echo(one_line(f"  to look at it: {next_step}"), err=True)
+            say(f"  to look at it: {next_step}", err=True)
     except KeyboardInterrupt:
-        return complain("interrupted; run the same command again to go on", INTERRUPTED)
+        return interrupted("run the same command again to go on")
     except OSError as error:
         return complain(f"{error.filename or output}: {error.strerror or error}", FAILED)
     failed = progress.counts["failed"] or progress.brackets["failed"]

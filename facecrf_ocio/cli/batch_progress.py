@@ -7,10 +7,9 @@ from collections.abc import Callable, Iterator
 from time import monotonic
 from typing import TYPE_CHECKING
 
-import click
-
 from facecrf_ocio.archive.walk import Passed, as_utf8
 from facecrf_ocio.cli.live import Bar, in_words
+from facecrf_ocio.cli.terminal import say
 from facecrf_ocio.errors import in_options
 from facecrf_ocio.files.plain_text import counted, one_line
 
@@ -41,7 +40,7 @@ class Progress:
         self.bar.__exit__()
         if self.done or self.gathered or kind is None:  # else the error alone says it all
             for line in (*_passed_over(self.passed), self._line()):
-                click.echo(line, err=True)
+                say(line, err=True)
 
     def __call__(self, event: Event) -> None:
         """Count what came of a photo, and tell it if it failed."""
@@ -62,7 +61,7 @@ class Progress:
             self.bar.show(self._line(), self.done, self.total)
         elif monotonic() - self.said > _PLAIN_EVERY:
             self.said = monotonic()
-            click.echo(self._line(), err=True)
+            say(self._line(), err=True)
 
     def _line(self) -> str:
         rate = self.fresh / max(monotonic() - self.begin, 1e-9)

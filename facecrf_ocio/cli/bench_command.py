@@ -16,9 +16,10 @@ from facecrf_ocio.cli.bench.bench_report import report
 from facecrf_ocio.cli.bench.bench_speed import speed
 from facecrf_ocio.cli.bench.bench_stress import stress
 from facecrf_ocio.cli.bench.bench_synthetic import synthetic
+from facecrf_ocio.cli.sections import Listing
 
 
-@click.group()
+@click.group(cls=Listing)
 def bench() -> None:
     """Measure every estimator on the same photos, as the paper's tables do."""
 

@@ -20,9 +20,9 @@ from facecrf_ocio.cli.terminal import (
     complain,
     ending_well,
     exit_code_of,
-    one_line,
     problem_of,
     require_writable,
+    say,
     tell,
     tell_json,
 )
@@ -81,11 +81,11 @@ def _estimate_together(photos: tuple[Path, ...], choices: Choices) -> Together:
         together = choices.estimate_together(photos)
     for path, misfit, lacking in zip(photos, together.misfits, together.lacking, strict=True):
         if lacking:
-            click.echo(f"facecrf: {one_line(str(path))}: says nothing: {lacking}", err=True)
+            say(f"facecrf: {path}: says nothing: {lacking}", err=True)
         elif misfit > MISFIT_LIMIT:
-            click.echo(
-                f"facecrf: {one_line(str(path))}: its own evidence lies {misfit:.1f} standard "
-                "deviations from the common curve; it may have another picture style",
+            say(
+                f"facecrf: {path}: its own evidence lies {misfit:.1f} standard deviations from "
+                "the common curve; it may have another picture style",
                 err=True,
             )
     return together

@@ -7,10 +7,11 @@ from pathlib import Path
 import click
 
 from facecrf_ocio.cli.options import TEXT_PATH
-from facecrf_ocio.cli.terminal import DONE, NOTHING, complain, ending_well, one_line
+from facecrf_ocio.cli.sections import Listing
+from facecrf_ocio.cli.terminal import DONE, NOTHING, complain, ending_well, say
 
 
-@click.group(invoke_without_command=True)
+@click.group(cls=Listing, invoke_without_command=True)
 @click.pass_context
 def cameras(context: click.Context) -> None:
     """List cameras whose response was measured; add, export and merge your own."""
@@ -37,11 +38,9 @@ def list_cameras(name: str) -> int:
             f"no camera named {name!r} was measured; facecrf cameras lists all", NOTHING
         )
     for one, origin in found:
-        click.echo(
-            one_line(
-                f"{one.make:<12} {one.model:<28} {one.grade}  {one.spread_stops:.2f} stops  "
-                f"{one.method:<8} {origin}  {one.proof[:60]}"
-            )
+        say(
+            f"{one.make:<12} {one.model:<28} {one.grade}  {one.spread_stops:.2f} stops  "
+            f"{one.method:<8} {origin}  {one.proof[:60]}"
         )
     return DONE
 
@@ -64,7 +63,7 @@ def add(records: tuple[Path, ...]) -> int:
     target = registry_path()
     write_registry(target, joined(read_registry(target), new), overwrite=True)
     for one in new:
-        click.echo(one_line(f"{one.make} {one.model}: added to {target}"))
+        say(f"{one.make} {one.model}: added to {target}")
     return DONE
 
 
@@ -80,7 +79,7 @@ def export(target: Path, overwrite: bool) -> int:
     if not own:
         return complain("your registry is empty; add records first", NOTHING)
     write_registry(target, own, overwrite=overwrite)
-    click.echo(one_line(f"{target}: {len(own)} cameras"))
+    say(f"{target}: {len(own)} cameras")
     return DONE
 
 
@@ -104,5 +103,5 @@ def merge_registries(sources: tuple[Path, ...]) -> int:
             raise LutError(f"{source}: does not exist; check the name")
         own = joined(own, read_registry(source))
     write_registry(target, own, overwrite=True)
-    click.echo(one_line(f"{target}: {len(own)} cameras"))
+    say(f"{target}: {len(own)} cameras")
     return DONE

@@ -14,8 +14,8 @@ from facecrf_ocio.cli.terminal import (
     USAGE,
     complain,
     ending_well,
-    one_line,
     require_writable,
+    say,
     tell,
 )
 from facecrf_ocio.errors import LutError
@@ -121,4 +121,4 @@ def _write_frames(opened: Clip, found: ClipEstimate, output: Path, *, overwrite:
         for _, there in write_sequence(opened, found.estimate, folder, overwrite=overwrite):
             kept, count = kept + there, count + 1
     was = f", {kept} of them there already" if kept else ""
-    click.echo(one_line(f"  {folder}: {counted(count, 'frame')}{was}"))
+    say(f"  {folder}: {counted(count, 'frame')}{was}")

@@ -6,7 +6,9 @@ import platform
 
 import click
 
-from facecrf_ocio.cli.terminal import DONE, FAILED, ending_well
+from facecrf_ocio.cli.terminal import DONE, FAILED, ending_well, say
+
+_COLUMN = 21  # letters: more than any name has
 
 
 @click.command()
@@ -21,17 +23,21 @@ def doctor() -> int:
 
     found = versions()
     for name, version in found.items():
-        click.echo(f"{name:<21}{version}")
-    click.echo(f"{'system':<21}{platform.platform()}, {platform.machine()}")
+        _tell(name, version)
+    _tell("system", f"{platform.platform()}, {platform.machine()}")
     profile = ".".join(found.get("OpenColorIO", "?").split(".")[:2])
-    click.echo(f"{'OCIO configs':<21}up to profile {profile}")
+    _tell("OCIO configs", f"up to profile {profile}")
     kinds = readable_kinds()
-    click.echo(f"{'reads':<21}{', '.join(name for name, can in kinds if can)}")
+    _tell("reads", ", ".join(name for name, can in kinds if can))
     lacking = [name for name, can in kinds if not can]
-    click.echo(f"{'does not read':<21}{', '.join(lacking) or 'nothing that it could'}")
+    _tell("does not read", ", ".join(lacking) or "nothing that it could")
     if "HEIC or AVIF" in lacking:
-        click.echo(" " * 21 + "(HEIC and AVIF: pip install 'facecrf-ocio[heif]')")
+        _tell("", "(HEIC and AVIF: pip install 'facecrf-ocio[heif]')")
     return _tell_models()
+
+
+def _tell(name: str, text: str) -> None:
+    say(f"{name:<{_COLUMN}}{text}", indent=_COLUMN)
 
 
 def _tell_models() -> int:
@@ -46,6 +52,6 @@ def _tell_models() -> int:
             said = f"as it ships, SHA-256 {sha256_of(model_path(file))[:16]}"
         except FaceCRFError as error:
             said, code = str(error), FAILED
-        click.echo(f"{'model':<21}{file}: {said}")
-    click.echo(f"{'to report':<21}all of the above, the command, and its last lines")
+        _tell("model", f"{file}: {said}")
+    _tell("to report", "all of the above, the command, and its last lines")
     return code

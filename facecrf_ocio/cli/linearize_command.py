@@ -28,6 +28,7 @@ from facecrf_ocio.cli.terminal import (
     one_line,
     problem_of,
     require_writable,
+    say,
     tell,
 )
 from facecrf_ocio.errors import OutputError, SettingsError
@@ -169,9 +170,9 @@ def _tell_rendition(path: Path, photo: Photo, written: Path) -> int:
 
     assert photo.gain_map is not None  # noqa: S101 - or it would not have been written
     what = f"{photo.gain_map.standard}, {headroom(photo.gain_map):.1f} stops of headroom"
-    click.echo(one_line(f"{path}: by its gain map ({what}): {NOT_PROVEN}"))
+    say(f"{path}: by its gain map ({what}): {NOT_PROVEN}")
     for note in photo.notes:
-        click.echo(one_line(f"  note: {note}"))
+        say(f"  note: {note}")
     click.echo(one_line(f"  {written}"))
     return DONE
 

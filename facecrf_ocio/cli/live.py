@@ -14,7 +14,7 @@ from facecrf_ocio.cli.terminal import fitted
 from facecrf_ocio.files.plain_text import one_line
 
 if TYPE_CHECKING:
-    from rich.progress import Progress
+    from rich.progress import Progress, Task
 
 _BAR = 16  # [letter] leaves most of 40 for the words
 _REPORTS = 20  # lines of progress where there is no terminal
@@ -67,7 +67,13 @@ class Bar:
             self._progress.stop()
         click.echo(fitted(line, sys.stderr) if err else line, err=err)
         if self._progress is not None:
-            self._progress.start()
+            self._begin_again(self._progress.tasks[0])
+
+    def _begin_again(self, task: Task) -> None:
+        """Draw the bar anew below: the old one would clear as many lines as it had itself."""
+        self._progress = _rich_bar()
+        self._progress.add_task(task.description, total=task.total, completed=int(task.completed))
+        self._progress.start()
 
 
 @contextmanager

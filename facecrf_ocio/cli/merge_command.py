@@ -16,7 +16,7 @@ from facecrf_ocio.cli.terminal import (
     NOTHING,
     complain,
     ending_well,
-    one_line,
+    say,
 )
 
 if TYPE_CHECKING:
@@ -78,9 +78,9 @@ def merge(
             compression=compression,
             overwrite=overwrite,
         )
-    click.echo(one_line(f"{output}: {len(photos)} exposures, curve by {estimate.estimator}"))
+    say(f"{output}: {len(photos)} exposures, curve by {estimate.estimator}")
     for path, stop, gone in zip(photos, merged.stops, merged.moved, strict=True):
-        click.echo(one_line(f"  {path.name}: {stop:+.2f} stops, {100.0 * gone:.1f} % moved"))
+        say(f"  {path.name}: {stop:+.2f} stops, {100.0 * gone:.1f} % moved")
     return 0
 
 

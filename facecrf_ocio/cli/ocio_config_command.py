@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from facecrf_ocio.cli.options import SPACE_NAMES, TEXT_PATH
-from facecrf_ocio.cli.terminal import DONE, ending_well, one_line
+from facecrf_ocio.cli.terminal import DONE, ending_well, say
 from facecrf_ocio.files.plain_text import counted
 
 
@@ -56,7 +56,7 @@ def ocio_config(luts: tuple[Path, ...], output: Path, primaries: str | None, **c
     )
     if choices["merge"]:
         what += f", profile version {_profile_version(config)} as before"
-    click.echo(one_line(f"{config}: {what}"))
+    say(f"{config}: {what}")
     return DONE
 
 

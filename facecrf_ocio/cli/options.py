@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -43,7 +44,24 @@ PHOTO_PATH = click.Path(readable=False, path_type=Path)
 TEXT_PATH = TextPath(readable=False, path_type=Path)
 
 
+_BEFORE_HELP = 34  # columns: Click's for the longest options and the gaps around them
 _LISTED = "\b\n" + "\n".join(f"{row.name}: {row.does}" for row in ESTIMATORS.values()) + "\n\n"
+
+
+class _Listed(click.Option):
+    """An option with a list of values; its lines break as a terminal's width asks for."""
+
+    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
+        """Break lines that Click keeps as they are."""
+        record = super().get_help_record(ctx)
+        if record is None:
+            return None
+        room = click.HelpFormatter(ctx.terminal_width, max_width=ctx.max_content_width).width
+        room -= _BEFORE_HELP
+        lines = [
+            textwrap.fill(line, room, subsequent_indent="  ") for line in record[1].split("\n")
+        ]
+        return record[0], "\n".join(lines)
 
 
 def estimation_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -51,6 +69,7 @@ def estimation_options(command: Callable[..., Any]) -> Callable[..., Any]:
     options = (
         click.option(
             "--estimator",
+            cls=_Listed,
             type=click.Choice(ESTIMATOR_NAMES),
             default="auto",
             show_default=True,

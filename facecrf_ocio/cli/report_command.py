@@ -9,7 +9,7 @@ import click
 
 from facecrf_ocio.cli.live import counting
 from facecrf_ocio.cli.options import TEXT_PATH
-from facecrf_ocio.cli.terminal import DONE, complain, ending_well, one_line
+from facecrf_ocio.cli.terminal import DONE, complain, ending_well, say
 from facecrf_ocio.files.plain_text import counted
 from facecrf_ocio.files.threads import usable_cores
 
@@ -48,11 +48,9 @@ def report(
         )
     if not written.source_is_there:
         complain("the folder of the photos is not there, so the report shows none of them", DONE)
-    click.echo(
-        one_line(
-            f"{written.path}: {counted(written.photos, 'photo')}, "
-            f"{written.pictured} of them with pictures, "
-            f"{written.size / 1e6:.1f} MB"
-        )
+    say(
+        f"{written.path}: {counted(written.photos, 'photo')}, "
+        f"{written.pictured} of them with pictures, "
+        f"{written.size / 1e6:.1f} MB"
     )
     return DONE

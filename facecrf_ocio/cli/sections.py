@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, MutableMapping
+from collections.abc import Iterable, Iterator, MutableMapping
 from importlib import import_module
+from typing import Any
 
 import click
+
+from facecrf_ocio.cli.terminal import interrupted
 
 SECTIONS = {
     "One photo": ("calibrate", "linearize", "show", "apply"),
@@ -42,13 +45,17 @@ EXAMPLES = {
     "pair": ("facecrf pair a.dng a.jpg -o luts",),
     "bracket": ("facecrf bracket 1.jpg 2.jpg 3.jpg -o luts",),
     "chart": ("facecrf chart a.jpg -o luts",),
-    "cameras": ("facecrf cameras list",),
+    "cameras": (
+        "facecrf cameras list canon",
+        "facecrf cameras add luts/a.jpg.crf.json",
+    ),
     "clip": ("facecrf clip frame.%04d.jpg -o luts --exr",),
     "merge": ("facecrf merge 1.jpg 2.jpg 3.jpg -o merged.exr",),
     "ocio-config": ("facecrf ocio-config luts/a.jpg.spi1d luts/b.jpg.spi1d -o photos.ocio",),
-    "lint": ("facecrf lint luts/a.jpg.cube luts/b.jpg.cube",),
+    "lint": ("facecrf lint luts/a.jpg.cube luts/b.jpg.cube", "facecrf lint luts"),
     "demo": ("facecrf demo",),
     "explain": ("facecrf explain verdicts",),
+    "doctor": ("facecrf doctor",),
     "bench": ("facecrf bench synthetic --help",),
 }
 
@@ -89,10 +96,31 @@ class Sections(click.Group):
     """A group that lists its commands under headings, each with its whole first sentence."""
 
     def format_commands(self, _: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write them, and examples."""
+        """Write them."""
         for heading, names in SECTIONS.items():
-            with formatter.section(heading):
-                formatter.write_dl([(name, _summary(self.commands[name])) for name in names])
+            _list(heading, names, self, formatter)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command that was asked for, until Ctrl-C, also while it is being imported."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            ctx.exit(interrupted())
+
+
+class Listing(click.Group):
+    """A group below a command: it lists its own commands, each with its whole first sentence."""
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write them."""
+        _list("Commands", self.list_commands(ctx), self, formatter)
+
+
+def _list(
+    heading: str, names: Iterable[str], group: click.Group, formatter: click.HelpFormatter
+) -> None:
+    with formatter.section(heading):
+        formatter.write_dl([(name, _summary(group.commands[name])) for name in names])
 
 
 def _with_examples(name: str, command: click.Command) -> click.Command:

@@ -33,8 +33,10 @@ if TYPE_CHECKING:
 DONE, FAILED, USAGE, UNREADABLE, NOTHING = 0, 1, 2, 3, 4
 EXIT_CODES = """
 Exit codes: 0 done; 1 an output cannot be written; 2 wrong usage; 3 a file cannot be read;
-4 a photo gives nothing to calibrate from. Of several photos, the worst: 1, then 3, then 4.
+4 a photo gives nothing to calibrate from; 130 interrupted (Ctrl-C). Of several photos, the worst:
+1, then 3, then 4.
 """
+INTERRUPTED = 130  # exit code of what Ctrl-C ended: 128 + SIGINT, as shells have it
 _CODES = {
     PhotoError: UNREADABLE,
     LutError: UNREADABLE,
@@ -43,6 +45,7 @@ _CODES = {
 }
 
 _NARROWEST = 30  # columns: below, words are longer than lines
+_INDENT = 4  # columns before the second line of what is broken
 
 # Click's own ways out, and a reader of stdout that went away, which Click handles.
 PASSED_ON = (click.ClickException, click.exceptions.Exit, click.Abort, BrokenPipeError)
@@ -60,10 +63,19 @@ def ending_well(command: Command) -> Command:
         except PASSED_ON:
             raise
         except Exception as error:  # the last net: one line for whatever a library raises
+            _raise_interrupt_of(error)
             code = complain(problem_of(error), exit_code_of(error))
         sys.exit(code)
 
     return run
+
+
+def _raise_interrupt_of(error: BaseException | None) -> None:
+    """Raise KeyboardInterrupt where Ctrl-C is why a library could not be loaded."""
+    while error is not None:
+        if isinstance(error, KeyboardInterrupt):
+            raise error
+        error = error.__cause__ or error.__context__
 
 
 def exit_code_of(error: Exception) -> int:
@@ -93,13 +105,33 @@ def complain(message: str, code: int) -> int:
     return code
 
 
-def fitted(line: str, stream: TextIO) -> str:
+def interrupted(advice: str = "files that it named are whole, and none is half written") -> int:
+    """Say that Ctrl-C ended a command, below what the terminal shows of it; return the code."""
+    if sys.stderr.isatty():
+        click.echo(err=True)
+    return complain(f"interrupted; {advice}", INTERRUPTED)
+
+
+def say(line: str, *, err: bool = False, indent: int = _INDENT) -> None:
+    """Print one line, broken between words where a terminal is narrower."""
+    stream = sys.stderr if err else sys.stdout
+    click.echo(fitted(one_line(line), stream, indent), err=err)
+
+
+def columns() -> int:
+    """Return how wide the terminal is; 80 where there is none."""
+    return max(shutil.get_terminal_size().columns, _NARROWEST)
+
+
+def fitted(line: str, stream: TextIO, indent: int = _INDENT) -> str:
     """Break a line between words where a terminal would within one; elsewhere it stays a line."""
     if not stream.isatty():
         return line
-    width = max(shutil.get_terminal_size().columns, _NARROWEST)
     return textwrap.fill(
-        line, width, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+        *(line, columns()),
+        subsequent_indent=" " * indent,
+        break_long_words=False,
+        break_on_hyphens=False,
     )
 
 
@@ -156,13 +188,12 @@ def tell(
         code = complain(message, NOTHING)
     elif not as_json:
         outcome = f"{estimate.outcome} ({verdict})" if verdict else str(estimate.outcome)
-        line = one_line(f"{path}: {outcome}: {sentence(estimate, COMMAND_LINE)}")
-        click.echo(fitted(line, sys.stdout))
+        say(f"{path}: {outcome}: {sentence(estimate, COMMAND_LINE)}")
         for note in notes:
-            click.echo(fitted(one_line(f"  note: {note}"), sys.stdout))
+            say(f"  note: {note}")
         if verbose:
             for line in details(estimate):
-                click.echo(fitted(one_line(f"  {line}"), sys.stdout))
+                say(f"  {line}")
         for file in written:
             click.echo(one_line(f"  {file}"))
     if as_json:

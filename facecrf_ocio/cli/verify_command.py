@@ -10,7 +10,7 @@ import click
 
 from facecrf_ocio.archive.walk import as_utf8
 from facecrf_ocio.cli.live import status
-from facecrf_ocio.cli.terminal import DONE, FAILED, complain, ending_well, one_line
+from facecrf_ocio.cli.terminal import DONE, FAILED, complain, ending_well, say
 from facecrf_ocio.errors import in_options
 from facecrf_ocio.files.plain_text import counted
 
@@ -53,7 +53,7 @@ def verify(folder: Path, as_json: bool, repair: bool) -> int:
         are = "is not as it was" if len(faults) == 1 else "are not as they were"
         complain(f"{folder}: {counted(len(faults), 'file')} {are} written", code)
     else:
-        click.echo(one_line(f"{folder}: all files are as they were written"))
+        say(f"{folder}: all files are as they were written")
     return code
 
 
@@ -62,4 +62,4 @@ def _tell(fault: Fault, as_json: bool) -> None:
         record = {"fault": fault.kind, "file": fault.name, "photo": fault.photo}
         click.echo(json.dumps(record))
     else:
-        click.echo(one_line(f"{fault.kind}: {as_utf8(fault.name)}"))
+        say(f"{fault.kind}: {as_utf8(fault.name)}")

@@ -14,7 +14,7 @@ from facecrf_ocio.lut.lint.finding import ERROR, WARNING, Finding, count
 from facecrf_ocio.lut.ocio_processor import exact_cpu, ocio_processor
 from facecrf_ocio.lut.usable import ask
 
-__all__ = ["ERROR", "WARNING", "Finding", "lint"]
+__all__ = ["ERROR", "WARNING", "Finding", "lint", "luts_below"]
 
 _MOST_WARNINGS = 3  # of OpenColorIO for one file; the others mostly repeat them
 _LARGEST = 1 << 26
@@ -53,6 +53,20 @@ def lint(path: Path) -> tuple[Finding, ...]:
     return tuple(found)
 
 
+def luts_below(folder: Path) -> tuple[Path, ...]:
+    """Return the files in and below a folder that are LUTs by their suffix, in order of name."""
+    suffixes = _suffixes()
+    found = (path for path in Path(folder).rglob("*") if path.suffix.lower() in suffixes)
+    return tuple(sorted(path for path in found if path.is_file()))
+
+
+def _suffixes() -> tuple[str, ...]:
+    """Those that this package writes, and the others that OpenColorIO reads."""
+    known = dict.fromkeys(s for row in FORMATS.values() for s in row.suffixes)
+    known |= dict.fromkeys(f".{suffix}" for _, suffix in ocio.FileTransform.getFormats())
+    return tuple(known)
+
+
 def _warning(path: Path, text: str) -> Finding:
     """What OpenColorIO warns of, `(LINE): TEXT`, such as an element it does not know."""
     line, _, problem = text.lstrip("(").partition("): ")
@@ -62,8 +76,7 @@ def _warning(path: Path, text: str) -> Finding:
 
 
 def _content(path: Path) -> bytes:
-    known = dict.fromkeys(s for row in FORMATS.values() for s in row.suffixes)
-    known |= dict.fromkeys(f".{suffix}" for _, suffix in ocio.FileTransform.getFormats())
+    known = _suffixes()
     if path.suffix.lower() not in known:
         raise LutError(f"{path}: lint knows {', '.join(known)} only")
     try:
