@@ -18,6 +18,7 @@ myst_enable_extensions = ["deflist"]
 napoleon_google_docstring = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
+autodoc_typehints_description_target = "documented_params"
 html_theme = "furo"
 html_title = "facecrf-ocio"
 html_theme_options = {"source_directory": "docs/"}

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from facecrf_ocio.joint import gather as gather
     from facecrf_ocio.joint import misfit as misfit
     from facecrf_ocio.lut.write import write_lut as write_lut
+    from facecrf_ocio.pair.calibrate_bracket import calibrate_bracket as calibrate_bracket
+    from facecrf_ocio.pair.calibrate_pair import calibrate_pair as calibrate_pair
     from facecrf_ocio.photo.read import read_photo as read_photo
     from facecrf_ocio.record.sidecar import read_curve as read_curve
     from facecrf_ocio.settings import Settings as Settings
@@ -39,6 +41,8 @@ __version__ = "0.1.0"
 _HOME = {
     "calibrate": "calibrate",
     **dict.fromkeys(("Together", "calibrate_together"), "together"),
+    "calibrate_bracket": "pair.calibrate_bracket",
+    "calibrate_pair": "pair.calibrate_pair",
     **dict.fromkeys(("PhotoEvidence", "conclude", "gather", "misfit"), "joint"),
     "linearize_photo": "image.to_exr",
     "read_curve": "record.sidecar",

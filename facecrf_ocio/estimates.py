@@ -269,8 +269,11 @@ class Estimate(Displayed):
             object.__setattr__(self, "coefficients", frozen(self.coefficients))
 
     def __repr__(self) -> str:
-        verdict = "" if self.confidence is None else f" ({self.confidence.verdict})"
-        return f"<Estimate by {self.estimator}: {self.outcome}{verdict}: {self.reason}>"
+        told = self.confidence
+        if told is None:
+            return f"<Estimate by {self.estimator}: {self.outcome}: {self.reason}>"
+        stops = "" if told.in_stops is None else f", {told.in_stops.mid:.2f} stops"
+        return f"<Estimate by {self.estimator}: {self.outcome} ({told.verdict}{stops})>"
 
     @property
     def curve(self) -> InverseCRF:

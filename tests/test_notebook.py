@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import facecrf_ocio
 from facecrf_ocio import NotCalibratedError, Photo, calibrate
 
 
@@ -43,6 +44,22 @@ def test_it_shows_what_to_expect_and_its_picture(mean):
     picture = re.search(r"base64,([^\"]+)", shown)[1]
     with Image.open(BytesIO(base64.b64decode(picture))) as image:
         assert image.size[0] > 300
+
+
+def test_its_summary_is_one_line_in_words_of_python(photo, mean):
+    nothing = calibrate(photo)
+    for estimate in (mean, nothing):
+        assert "\n" not in estimate.summary
+        assert "--" not in estimate.summary
+    assert mean.summary.endswith("calibrate_pair with a raw file, or calibrate_bracket")
+    assert "no face found" in nothing.summary
+    assert 'fallback="mean"' in nothing.summary
+
+
+def test_functions_that_a_summary_names_can_be_imported(mean):
+    named = re.findall(r"calibrate_\w+", mean.summary)
+    assert named == ["calibrate_together", "calibrate_pair", "calibrate_bracket"]
+    assert all(callable(getattr(facecrf_ocio, name)) for name in named)
 
 
 def test_without_a_curve_it_says_why_and_draws_nothing(photo):

@@ -77,6 +77,7 @@ def test_what_is_shown_is_short():
     estimate = calibrate(photo, estimator="srgb")
     shown = [repr(each) for each in (photo, estimate, estimate.curve, estimate.confidence)]
     assert max(map(len, shown)) < 140
+    assert shown[1].startswith("<Estimate by srgb: fallback (prior only, ")
     assert shown[0] == "<Photo in memory: 30 x 20, 8 bits>"
     assert "0.5 -> 0.214" in shown[2]
 

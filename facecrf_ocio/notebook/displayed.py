@@ -1,4 +1,4 @@
-"""What an estimate offers to a notebook: a picture, and itself as HTML."""
+"""What an estimate offers where Python is used by hand: what to expect, a picture, HTML."""
 
 from __future__ import annotations
 
@@ -7,9 +7,15 @@ from typing import Any
 
 
 class Displayed:
-    """Draws itself; what draws is imported by name when it is asked for, as it stands far above."""
+    """Tells and draws itself; what does is imported by name when asked for, as it stands above."""
 
     __slots__ = ()
+
+    @property
+    def summary(self) -> str:
+        """What to expect of the curve and what would make it surer, or why there is none."""
+        words = import_module("facecrf_ocio.wording.sentence")
+        return str(words.sentence(self, words.PYTHON))
 
     def plot(self) -> Any:
         """Draw the curves with their 90 % bands, and how they differ from sRGB in stops.

@@ -13,6 +13,7 @@ from facecrf_ocio.pair.extrapolate import continued
 from facecrf_ocio.pair.fit_channel import ChannelFit, fit_channel
 from facecrf_ocio.pair.flat_pixels import Samples, choose_samples
 from facecrf_ocio.pair.pair_confidence import pair_confidence
+from facecrf_ocio.photo.given import GivenPhoto, photo_given
 from facecrf_ocio.response.model import CURVE_SIZE, ResponseModel, dorf_model, strictly_increasing
 from facecrf_ocio.values import (
     CHANNELS,
@@ -53,7 +54,7 @@ class PairEstimate:
 
 
 def calibrate_pair(
-    linear: Photo, encoded: Photo, *, model: ResponseModel | None = None
+    linear: GivenPhoto, encoded: GivenPhoto, *, model: ResponseModel | None = None
 ) -> PairEstimate:
     """Fit the inverse camera response that leads from one picture to the other.
 
@@ -61,6 +62,7 @@ def calibrate_pair(
     ----------
     linear
         Linear light, taken as such whatever the file says of itself; camera raw or a linear image.
+        As `calibrate` takes photos, and so is `encoded`.
     encoded
         What the camera made of the same exposure. Size, crop, orientation and lens
         correction may differ.
@@ -73,6 +75,7 @@ def calibrate_pair(
         If they are not linear and encoded pictures of one exposure, or too much is clipped.
     """
     model = model or dorf_model()
+    linear, encoded = photo_given(linear), photo_given(encoded)
     _check_kinds(linear, encoded)
     aligned = align(linear, encoded)
     if aligned.correlation < MIN_CORRELATION:

@@ -46,7 +46,7 @@ ARCHIVE = Surface(
 )
 PYTHON = Surface(
     "calibrate_together(photos) of this camera",
-    "calibrate_pair with a raw file or a bracket",
+    "calibrate_pair with a raw file, or calibrate_bracket",
     "the original instead of a small copy",
     'fallback="mean"',
 )
