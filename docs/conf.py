@@ -1,6 +1,7 @@
 """Settings of the documentation: `sphinx-build -W docs docs/_build`."""
 
 from importlib import metadata
+from typing import Any
 
 project = "facecrf-ocio"
 copyright = "The facecrf-ocio developers"  # noqa: A001 (Sphinx's name)
@@ -21,7 +22,7 @@ autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented_params"
 html_theme = "furo"
 html_title = "facecrf-ocio"
-html_theme_options = {"source_directory": "docs/"}
+html_theme_options = {"top_of_page_buttons": []}  # its link would stand outside of all landmarks
 # Quick ones are run when the pages are built; the others need programs that few have.
 sphinx_gallery_conf = {
     "examples_dirs": "../examples",
@@ -33,3 +34,15 @@ sphinx_gallery_conf = {
     "abort_on_example_error": True,
 }
 suppress_warnings = ["config.cache"]
+
+
+def tell_levels(_: Any, __: str, ___: str, context: dict[str, Any], ____: Any) -> None:
+    """Give the captions of tables of contents the level that a role of heading asks for."""
+    for part in ("body", "furo_navigation_tree"):
+        text = context.get(part) or ""
+        context[part] = text.replace('role="heading">', 'role="heading" aria-level="2">')
+
+
+def setup(app: Any) -> None:
+    """Connect it behind the theme's own."""
+    app.connect("html-page-context", tell_levels, priority=900)

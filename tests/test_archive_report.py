@@ -670,6 +670,7 @@ def test_a_phone_shows_cards_and_nothing_to_scroll_sideways(window, theme):
         row = page.one("#body tr")
         assert row.value_of_css_property("display") == "block"
         assert page.one("#head").is_displayed() is False
+        assert "headings" not in page.one("#caption").text
         page.one("#sort option[value=kind]").click()
         found = Axe().run(window)["violations"]
         page.one("#body .link").click()
@@ -712,8 +713,10 @@ def test_a_photo_is_compared_with_the_keyboard_at_any_exposure(window):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("theme", ["light", "dark"])
 @pytest.mark.parametrize("width", [390, 1400])
-def test_the_page_of_one_photo_has_no_barriers(window, tmp_path, width, facecrf):
+def test_the_page_of_one_photo_has_no_barriers(window, tmp_path, width, theme, facecrf):
+    use_theme(window, theme)
     photo = smooth_photo(tmp_path / "a.png", 3)
     assert facecrf("show", photo, "--estimator", "mean", "-o", tmp_path / "a.html").code == 0
     size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}

@@ -36,7 +36,7 @@ for (const column of COLUMNS) {
 }
 const isShown = (title) => shown.includes(title);
 function drawCaption() {
-  byId("caption").textContent =
-    "Photos of the archive; the column headings sort." +
-    (saidOnce.length ? ` Alike in all: ${saidOnce.map(visible).join("; ")}.` : "");
+  byId("alike").textContent = saidOnce.length
+    ? ` Alike in all: ${saidOnce.map(visible).join("; ")}.`
+    : "";
 }
