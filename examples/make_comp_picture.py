@@ -96,7 +96,7 @@ def main(folder: Path) -> Path:
         "composited in code values": encoded.clip(0, 1),
         "composited in linear light, by the photo's own curve": curve.encode(linear.clip(0, 1)),
     }
-    figure = Figure(figsize=(16, 10.1), facecolor=GROUND, layout="constrained")
+    figure = Figure(figsize=(16, 9.75), facecolor=GROUND, layout="constrained")
     for axes, (title, image) in zip(figure.subplots(1, len(panels)), panels.items(), strict=True):
         axes.imshow(image)
         axes.set_title(title, color="white", fontsize=19, pad=12)
