@@ -1,6 +1,7 @@
 """Settings of the documentation: `sphinx-build -W docs docs/_build`."""
 
 from importlib import metadata
+from pathlib import Path
 from typing import Any
 
 project = "facecrf-ocio"
@@ -36,13 +37,27 @@ sphinx_gallery_conf = {
 suppress_warnings = ["config.cache"]
 
 
-def tell_levels(_: Any, __: str, ___: str, context: dict[str, Any], ____: Any) -> None:
-    """Give the captions of tables of contents the level that a role of heading asks for."""
-    for part in ("body", "furo_navigation_tree"):
-        text = context.get(part) or ""
-        context[part] = text.replace('role="heading">', 'role="heading" aria-level="2">')
+# What the theme leaves out and a screen reader or a keyboard needs: levels of headings, names of
+# landmarks that there are two of, and a way into what scrolls sideways.
+BARRIERS = {
+    'role="heading">': 'role="heading" aria-level="2">',
+    '<aside class="sidebar-drawer">': '<aside class="sidebar-drawer" aria-label="Site">',
+    '<aside class="toc-drawer': '<aside aria-label="Page" class="toc-drawer',
+    "<pre>": '<pre tabindex="0">',
+    '<div class="table-wrapper': '<div tabindex="0" class="table-wrapper',
+}
+
+
+def take_barriers_away(app: Any, problem: Exception | None) -> None:
+    """Mend the pages that were built; what was mended before has nothing more to find."""
+    for page in Path(app.outdir).rglob("*.html") if problem is None else ():
+        text = found = page.read_text(encoding="utf-8")
+        for barrier, mended in BARRIERS.items():
+            text = text.replace(barrier, mended)
+        if text != found:
+            page.write_text(text, encoding="utf-8")
 
 
 def setup(app: Any) -> None:
-    """Connect it behind the theme's own."""
-    app.connect("html-page-context", tell_levels, priority=900)
+    """Do it at the end of a build."""
+    app.connect("build-finished", take_barriers_away)

@@ -56,7 +56,7 @@ class _Listed(click.Option):
         record = super().get_help_record(ctx)
         if record is None:
             return None
-        room = click.HelpFormatter(ctx.terminal_width, max_width=ctx.max_content_width).width
+        room = click.HelpFormatter(width=ctx.terminal_width, max_width=ctx.max_content_width).width
         room -= _BEFORE_HELP
         lines = [
             textwrap.fill(line, room, subsequent_indent="  ") for line in record[1].split("\n")
