@@ -210,6 +210,49 @@ class TestBadInput:
         path = write_video(tmp_path / "a.mp4", [RAMP] * 5, stamps=(0, 1, 2, 8, 9))
         assert "its frame rate varies" in open_clip(path).notes[0]
 
+    @pytest.mark.parametrize(
+        ("missing", "said"),
+        [
+            ((), ()),
+            ((4,), ("1 frame is missing (4)",)),
+            ((3, 4, 7), ("3 frames are missing (3 to 4 and others)",)),
+        ],
+    )
+    def test_frames_that_are_missing_are_told(self, tmp_path, missing, said):
+        sequence(tmp_path, 9)
+        for number in missing:
+            (tmp_path / f"frame.{number:04d}.png").unlink()
+        told = open_clip(tmp_path / "frame.%04d.png").notes
+        assert tuple(note.partition(":")[0] for note in told) == said
+
+    def test_pictures_whose_numbers_are_far_apart_miss_nothing(self, tmp_path):
+        for number in (17, 230, 4711):
+            write_picture(tmp_path / f"IMG_{number}.png", RAMP, CURVE)
+        assert open_clip(tmp_path).notes == ()
+
+    def test_a_video_that_is_cut_short_is_told_and_used_as_far_as_it_goes(self, tmp_path):
+        noise = np.random.default_rng(0).random((24, 48, 64, 3)).astype(np.float32)
+        whole = write_video(tmp_path / "a.mkv", list(noise))
+        assert open_clip(whole).notes == ()
+        data = whole.read_bytes()
+        (tmp_path / "b.mkv").write_bytes(data[: len(data) // 2])
+        clip = open_clip(tmp_path / "b.mkv")
+        assert 4 < len(clip.times) < 20
+        assert clip.notes[0].startswith("it is cut short: its header tells 1.0 s and 0.")
+        assert next(clip.read([len(clip.times) - 1])).shape[:2] == (48, 64)
+
+    def test_sound_without_pictures(self, tmp_path):
+        av = pytest.importorskip("av")
+        with av.open(str(tmp_path / "a.mp4"), "w") as container:
+            stream = container.add_stream("aac", rate=48000)
+            frame = av.AudioFrame.from_ndarray(
+                np.zeros((1, 4096), np.float32), format="fltp", layout="mono"
+            )
+            frame.rate, frame.pts = 48000, 0
+            container.mux(stream.encode(frame))
+            container.mux(stream.encode(None))
+        assert "has sound and no pictures" in self.told(tmp_path / "a.mp4")
+
     @pytest.mark.slow
     def test_no_face_in_any_frame(self, capfd, tmp_path):
         ended = CommandLine(capfd)("clip", sequence(tmp_path / "in", 3), "-o", tmp_path / "out")

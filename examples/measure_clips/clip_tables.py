@@ -13,14 +13,15 @@ from facecrf_ocio.files.atomic import Draft, write_files
 
 _HEADINGS = (
     "|clips|stops: clip|a frame|ratio|mean curve|sRGB|RMSE: clip|a frame|ratio|mean curve|sRGB|"
-    "band %|in stops %|a frame's %|alike|drifts told"
+    "band %|in stops %|a frame's %|alike|drifts told|noise used"
 )
 LEGEND = """\
 Medians over clips; the error of a frame is the mean over those that the clip's curve comes from.
 Stops: |log2(g / truth)| over codes 64 to 235 with one factor taken out at code 128. RMSE: of
 g x 100 on 1,024 codes. ratio: of the medians. band: share of codes within the 90 % band. alike:
 correlation of the errors of two frames of a clip, by how much less the mean of their curves errs
-than they do. drifts told: clips of which it was said that their curve drifts."""
+than they do. drifts told: clips of which it was said that their curve drifts. noise used: clips
+whose noise told the exponent."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +45,8 @@ class ClipResult:
         Mean square of the frames' mean error, and of their errors.
     exposure_stops
         By how much the face's light was found to vary.
+    noise_told
+        Whether noise told the exponent.
     """
 
     cell: str
@@ -68,6 +71,7 @@ class ClipResult:
     shared: float
     whole: float
     exposure_stops: float
+    noise_told: bool
 
 
 def correlation(results: Sequence[ClipResult]) -> float:
@@ -117,4 +121,5 @@ def _cells(group: Sequence[ClipResult]) -> list[str]:
         number(mean_of(r.frame_band for r in group), 100, 0),
         f"{correlation(group):.2f}",
         f"{sum(r.drifts for r in group)} of {len(group)}",
+        f"{sum(r.noise_told for r in group)} of {len(group)}",
     ]

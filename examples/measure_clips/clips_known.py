@@ -45,10 +45,12 @@ class Cell:
 # Bit rates of phones and cameras; exposures that move as between window and room; and, for drift,
 # a camera that meters anew and one that does not.
 CELLS = (
+    Cell("PNG, exposure moves 1.5 stops", Take(None, 1.5, lossless=True)),
     Cell("JPEG, exposure moves 1.5 stops", Take(None, 1.5)),
     Cell("JPEG with exposures, 1.5 stops", Take(None, 1.5, told=True)),
     Cell("50 Mbit/s, exposure moves 1.5 stops", Take(50.0, 1.5)),
     Cell("10 Mbit/s, exposure moves 1.5 stops", Take(10.0, 1.5)),
+    Cell("2 Mbit/s, exposure moves 1.5 stops", Take(2.0, 1.5)),
     Cell("10 Mbit/s, exposure fixed", Take(10.0)),
     Cell("10 Mbit/s, 1.5 stops, curve drifts", Take(10.0, 1.5, _DRIFT)),
     Cell("10 Mbit/s, fixed, curve drifts", Take(10.0, 0.0, _DRIFT)),
@@ -210,6 +212,7 @@ def _result(
         float((errors.mean(axis=0) ** 2).mean()) if bias else 0.0,
         float((errors**2).mean()) if bias else 0.0,
         found.exposure_stops,
+        found.noise_told,
     )
 
 

@@ -39,7 +39,7 @@ class Take:
     Attributes
     ----------
     mbits
-        [Mbit/s] of H.264; None for a sequence of JPEGs.
+        [Mbit/s] of H.264; None for a sequence of images.
     swing
         [stop] from the least to the largest exposure.
     drift
@@ -50,6 +50,8 @@ class Take:
         Sensitivity whose noise is added.
     told
         Whether EXIF of JPEGs tells the exposure times, which shutters keep within 0.02 stops.
+    lossless
+        Whether images are PNGs and no JPEGs.
     """
 
     mbits: float | None
@@ -58,6 +60,7 @@ class Take:
     frames: int = 24
     iso: float = 400.0
     told: bool = False
+    lossless: bool = False
 
 
 def take_clip(
@@ -67,7 +70,7 @@ def take_clip(
     generator: np.random.Generator,
     folder: Path,
 ) -> Path:
-    """Write a clip into a folder; returns the video file, or the folder of JPEGs.
+    """Write a clip into a folder; returns the video file, or the folder of images.
 
     Parameters
     ----------
@@ -89,13 +92,15 @@ def take_clip(
         return _video(folder / "take.mp4", frames, round(take.mbits * _MEGABIT))
     for number, codes in enumerate(frames):
         shutter = _TIME_S * 2.0 ** float(stops[number] + generator.normal(0.0, _SHUTTER))
-        _jpeg(folder / f"take.{number + 1:04d}.jpg", codes, shutter if take.told else 0.0)
+        name = f"take.{number + 1:04d}.{'png' if take.lossless else 'jpg'}"
+        _image(folder / name, codes, shutter if take.told else 0.0)
     return folder
 
 
-def _jpeg(path: Path, codes: Codes, exposure_s: float) -> None:
+def _image(path: Path, codes: Codes, exposure_s: float) -> None:
     spec = oiio.ImageSpec(codes.shape[1], codes.shape[0], 3, "uint8")
-    spec.attribute("Compression", f"jpeg:{_QUALITY}")
+    if path.suffix == ".jpg":
+        spec.attribute("Compression", f"jpeg:{_QUALITY}")
     if exposure_s:
         spec.attribute("ExposureTime", exposure_s)
     written = oiio.ImageOutput.create(str(path))

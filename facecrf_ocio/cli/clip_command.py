@@ -103,6 +103,8 @@ def _notes(opened: Clip, found: ClipEstimate) -> tuple[str, ...]:
         )
         if found.exposures_told:
             notes.append("the files tell exposures that differ, which show the curve as a bracket")
+        if found.noise_told:
+            notes.append("the noise between frames that follow one another tells the exponent")
     for number, shot in enumerate(found.shots, start=1):
         if shot.estimate is not None:
             notes.append(

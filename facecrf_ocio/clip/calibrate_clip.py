@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +10,8 @@ import numpy as np
 from facecrf_ocio.calibrate import calibrate
 from facecrf_ocio.clip.chosen_frames import ChosenFrame, choose_frames
 from facecrf_ocio.clip.frame_list import Clip
+from facecrf_ocio.clip.frame_noise import Image, noise_levels
+from facecrf_ocio.clip.noise_light import add_noise
 from facecrf_ocio.clip.shared_light import add_points, drift_of_points
 from facecrf_ocio.clip.tracked_points import track
 from facecrf_ocio.joint import (
@@ -35,6 +37,7 @@ _SAME_SHOT = 0.5  # correlation of the brightness ranks of thumbnails, 32 x 18
 _SURE = 3.0  # standard errors from which a difference between both ends is a drift
 _LEAST_DRIFT = 0.003  # RMSE where points lie; clips without drift show 0.0015 at most
 _FEWEST = 4  # frames that a drift is told from
+_PAIRS = 6  # of frames that follow one another, whose noise is measured; more tell hardly more
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +81,8 @@ class ClipEstimate:
         What each of the frames says alone.
     exposures_told
         Whether files told exposures that differ, by which the curve was found.
+    noise_told
+        Whether the noise of frames that follow one another told the curve's exponent.
     """
 
     estimate: Estimate
@@ -88,6 +93,7 @@ class ClipEstimate:
     exposure_stops: float = 0.0
     alone: tuple[Estimate, ...] = ()
     exposures_told: bool = False
+    noise_told: bool = False
 
     @property
     def drifts(self) -> bool:
@@ -137,12 +143,16 @@ def calibrate_clip(
     points = track([one.small for one in longest]) if len(longest) > 1 else None
     told = _told_stops(longest)
     faces: list[Posterior] = []
+    noise: list[Posterior] = []
 
     def besides(posterior: Posterior) -> Posterior:
         faces.append(posterior)
-        if points is None or told is None:
-            return posterior
-        return add_points(posterior, points, told, model.prior, model.band_scale)
+        if points is not None and told is not None:
+            return add_points(posterior, points, told, model.prior, model.band_scale)
+        levels = noise_levels(_pairs(clip, [one.index for one in longest]))
+        found = add_noise(posterior, levels, model.prior, model.band_scale)
+        noise.extend([] if found is None else [found])
+        return posterior if found is None else found
 
     pooled = _of_frames(evidence, prior, model, besides)
     alone = tuple(conclude([one], prior, model) for one in evidence)
@@ -155,13 +165,26 @@ def calibrate_clip(
     return ClipEstimate(
         pooled,
         tuple(one.index for one in chosen),
-        _shots(shots, pooled, prior, model),
+        _shots(shots, _of_frames(evidence, prior, model), prior, model),
         drift,
         error,
         float(np.ptp(light)),
         alone,
         points is not None and told is not None,
+        bool(noise),
     )
+
+
+def _pairs(clip: Clip, frames: Sequence[int]) -> Iterator[tuple[Image, Image]]:
+    """Some of these frames, each with the one that follows it."""
+    spread = np.unique(np.linspace(0, len(frames) - 1, min(len(frames), _PAIRS)).astype(np.intp))
+    firsts = {min(frames[at], len(clip.times) - 2) for at in spread}
+    wanted = sorted(firsts | {index + 1 for index in firsts})
+    before: Image | None = None
+    for index, photo in zip(wanted, clip.read(wanted), strict=True):
+        if before is not None and index - 1 in firsts:
+            yield before, photo.encoded
+        before = photo.encoded
 
 
 def _level(codes: Float, estimate: Estimate) -> float:
@@ -222,6 +245,7 @@ def _grouped(chosen: Sequence[ChosenFrame]) -> list[list[ChosenFrame]]:
 def _shots(
     groups: Sequence[Sequence[ChosenFrame]], pooled: Estimate, prior: str, model: JointModel
 ) -> tuple[Shot, ...]:
+    """Parts between cuts, each held against the curve that the faces of all of them give."""
     found = []
     for group in groups:
         off = float(np.mean([misfit(one.evidence, pooled, model) for one in group]))

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 
 from facecrf_ocio.clip.frame_list import Clip, in_one_size
 from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.files.plain_text import counted
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.photo.suffixes import suffixes_named
 from facecrf_ocio.values import Photo
@@ -95,4 +97,24 @@ def _sequence(given: Path, paths: Sequence[Path], name: str) -> Clip:
         tuple(path.name for path in paths),
         DEFAULT_RATE,
         read,
+        _gaps(paths),
+    )
+
+
+def _gaps(paths: Sequence[Path]) -> tuple[str, ...]:
+    """What there is to say of numbers that are missing; nothing where names have several stems."""
+    orders = [_order(path) for path in paths]
+    if not orders or len({order[0] for order in orders}) > 1 or orders[0][1] < 0:
+        return ()
+    steps = [(one[1], other[1]) for one, other in pairwise(orders) if other[1] - one[1] > 1]
+    missing = sum(after - before - 1 for before, after in steps)
+    if not 0 < missing < len(paths):  # of a few frames among many numbers nothing is missing
+        return ()
+    first, last = steps[0][0] + 1, steps[0][1] - 1
+    which = f"{first}" if first == last else f"{first} to {last}"
+    more = " and others" if len(steps) > 1 else ""
+    are = "is" if missing == 1 else "are"
+    return (
+        f"{counted(missing, 'frame')} {are} missing ({which}{more}): those that are there are "
+        "taken to follow one another",
     )

@@ -18,6 +18,9 @@ from facecrf_ocio.values import Photo
 _NAMED = {9: "log 100:1", 10: "log 316:1", 16: "PQ", 18: "HLG"}
 _LINEAR = 8  # of the same table
 _UNEVEN = 1.5  # longest distance between frames over the shortest: a rate that varies
+# [s] and share of its length by which a header tells more than there is before a file is called cut
+# short: sound may go on a little behind the pictures.
+_SHORT_S, _SHORT = 0.25, 0.05
 _HD_ROWS = 720  # [px] from which streams that state no matrix mean BT.709's
 
 
@@ -32,18 +35,27 @@ def open_video(path: Path) -> Clip:
     av = _pyav(path)
     try:
         with av.open(str(path)) as container:
+            if not container.streams.video:
+                raise PhotoError(path, "has sound and no pictures", "give a video with a face")
             stream = container.streams.video[0]
+            told = float(container.duration or 0) / av.time_base  # by the header, where it tells
             stamps = sorted(
                 packet.pts for packet in container.demux(stream) if packet.pts is not None
             )
             base = float(stream.time_base or 1.0)
             rate = float(stream.average_rate or 24.0)
-    except (av.error.FFmpegError, IndexError, OSError) as error:
+    except (av.error.FFmpegError, OSError) as error:
         raise PhotoError(path, f"is no video that can be read ({error})", "convert it") from error
     steps = np.diff(stamps) if len(stamps) > 1 else np.ones(1)
     notes = []
     if float(steps.max()) > _UNEVEN * max(float(steps.min()), 1e-9):
         notes.append("its frame rate varies: frames are chosen and named by their own times")
+    there = (stamps[-1] - stamps[0]) * base + 1.0 / rate if stamps else 0.0
+    if told - there > max(_SHORT_S, _SHORT * told):
+        notes.append(
+            f"it is cut short: its header tells {told:.1f} s and {there:.1f} s are there, "
+            "which are used"
+        )
 
     def read(indices: Sequence[int]) -> Iterator[Photo]:
         return in_one_size(_frames(path, [stamps[index] for index in indices]))

@@ -1,0 +1,105 @@
+"""Noise of frames that follow one another: the exponent that points leave open."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from facecrf_ocio.clip.frame_noise import noise_levels
+from facecrf_ocio.clip.noise_light import add_noise
+from facecrf_ocio.joint import shipped_joint
+from facecrf_ocio.joint.prior import Posterior
+from facecrf_ocio.synthetic.jpeg import through_jpeg
+
+PRIOR = shipped_joint().prior
+KNOWN_NOTHING = PRIOR.posterior(None, PRIOR.weights_for("auto"))
+GRID = np.linspace(0.0, 1.0, 1024)
+ELECTRONS = 15_000.0  # at white: ISO 400 of a full-frame camera
+READING = 5.0  # electrons
+SHIFT = 5  # [px] by which the second frame is moved
+
+
+def scene():
+    """Flat patches of 24 px, of all levels and several colors."""
+    generator = np.random.default_rng(3)
+    levels = np.exp2(generator.uniform(-10.0, -0.3, (20, 32, 1)))
+    colors = np.exp2(generator.uniform(-0.4, 0.4, (20, 32, 3)))
+    return np.minimum(levels * colors, 1.0).repeat(24, axis=0).repeat(24, axis=1)
+
+
+def frames(exponent, electrons=ELECTRONS):
+    """Two frames, each with noise of its own, as 8-bit code values over 255."""
+    light, generator = scene(), np.random.default_rng(1)
+    shown = []
+    for moved in (0, SHIFT):
+        seen = np.roll(light, moved, axis=1)
+        deviation = np.sqrt(seen / electrons + (READING / electrons) ** 2)
+        noisy = seen + deviation * generator.standard_normal(seen.shape)
+        shown.append(np.rint(255.0 * np.clip(noisy, 0.0, 1.0) ** (1.0 / exponent)) / 255.0)
+    return tuple(np.asarray(frame, np.float32) for frame in shown)
+
+
+@pytest.mark.parametrize("exponent", [1.8, 2.2, 2.6])
+def test_noise_gives_the_curve_with_its_exponent(exponent):
+    found = add_noise(KNOWN_NOTHING, noise_levels([frames(exponent)]), PRIOR, 1.0)
+    curve = PRIOR.samples(found.mean)
+    codes = np.linspace(64, 235, 50) / 255.0
+    apart = np.log2(np.interp(codes, PRIOR.grid, curve) / codes**exponent)
+    assert (
+        np.abs(apart - np.interp(0.5, codes, apart)).mean() < 0.1
+    )  # [stop]; reading noise is unknown
+
+
+def test_variance_is_that_of_one_frame_through_movement():
+    levels = noise_levels([frames(1.0)])  # of a straight line: a (g + b), by luminance
+    weights = np.array([0.2126, 0.7152, 0.0722]) ** 2
+    light = levels.codes + READING**2 / ELECTRONS
+    true = 255.0**2 * (light @ weights) / ELECTRONS + weights.sum() / 12.0
+    assert levels.variance == pytest.approx(true, rel=0.15)
+    assert levels.finest == pytest.approx(1.0, abs=0.1)
+
+
+def test_what_an_encoder_left_of_noise_is_not_believed():
+    compressed = [
+        through_jpeg(np.rint(255.0 * frame).astype(np.uint8), 90).astype(np.float32) / 255.0
+        for frame in frames(2.2)
+    ]
+    assert add_noise(KNOWN_NOTHING, noise_levels([compressed]), PRIOR, 1.0) is None
+
+
+def test_noise_that_rounding_swallows_is_not_believed():
+    levels = noise_levels([frames(2.2, electrons=1e6)])
+    assert add_noise(KNOWN_NOTHING, levels, PRIOR, 1.0) is None
+
+
+def test_noise_that_contradicts_the_faces_is_not_believed():
+    """As where a camera's denoising bends it: here noise that grows with the square of light."""
+    light, generator, shown = scene(), np.random.default_rng(2), []
+    for _ in range(2):
+        noisy = light * (1.0 + 0.01 * generator.standard_normal(light.shape)) + 1e-3
+        shown.append(np.rint(255.0 * np.clip(noisy, 0.0, 1.0) ** (1.0 / 2.2)) / 255.0)
+    levels = noise_levels([tuple(np.asarray(frame, np.float32) for frame in shown)])
+    sure = PRIOR.posterior(None, PRIOR.weights_for("auto"))
+    faces = Posterior(np.ones(1), sure.mean[None], 0.05 * sure.covariance[None])
+    assert add_noise(faces, levels, PRIOR, 1.0) is None
+
+
+def test_few_levels_tell_nothing():
+    flat = np.full((64, 64, 3), 0.5, np.float32)
+    assert add_noise(KNOWN_NOTHING, noise_levels([(flat, flat)]), PRIOR, 1.0) is None
+    assert add_noise(KNOWN_NOTHING, noise_levels([]), PRIOR, 1.0) is None
+
+
+def test_texture_is_no_noise():
+    """Of a still scene with fine texture, whose two frames differ by noise alone."""
+    light = scene() * np.exp2(0.2 * np.random.default_rng(5).standard_normal((480, 768, 1)))
+    generator, shown = np.random.default_rng(6), []
+    for _ in range(2):
+        noisy = light + np.sqrt(light / ELECTRONS) * generator.standard_normal(light.shape)
+        shown.append(np.rint(255.0 * np.clip(noisy, 0.0, 1.0)).astype(np.float32) / 255.0)
+    weights = np.array([0.2126, 0.7152, 0.0722]) ** 2
+    levels = noise_levels([tuple(shown)])
+    true = 255.0**2 * (levels.codes @ weights) / ELECTRONS + weights.sum() / 12.0
+    assert levels.variance == pytest.approx(true, rel=0.1)
+    assert cv2.absdiff(*shown).mean() * 255.0 < 2.0
