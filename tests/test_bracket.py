@@ -124,3 +124,15 @@ class TestBadInput:
         ended = CommandLine(capfd)("bracket", *photos, "--stops", "0,0.2", "-o", tmp_path / "out")
         assert ended.code == 4
         assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("command", [("bracket", "out"), ("merge", "out.exr")])
+def test_a_photo_that_is_missing_or_a_folder_is_told_in_words(capfd, tmp_path, command):
+    name, output = command
+    photos = (tmp_path / "a.jpg", tmp_path)
+    for photo, said in zip(photos, ("does not exist", "is a folder"), strict=True):
+        ended = CommandLine(capfd)(name, photo, "-o", tmp_path / output)
+        assert ended.code == 3
+        assert said in ended.err
+        assert len(ended.err.splitlines()) == 1
+    assert not (tmp_path / output).exists()

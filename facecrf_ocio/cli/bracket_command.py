@@ -37,9 +37,12 @@ def solve(photos: tuple[Path, ...], given: str | None) -> BracketEstimate:
         calibrate_bracket,
         stops_by_exif,
     )
+    from facecrf_ocio.photo.integrity import check_file
     from facecrf_ocio.photo.shot import read_shot
     from facecrf_ocio.values import Photo
 
+    for path in photos:
+        check_file(path)  # tells in words what EXIF's reader would not
     shots = [read_shot(path) for path in photos]
     if given is None:
         empty = np.zeros((1, 1, 3), np.float32)
