@@ -65,11 +65,11 @@ function plot(index, width, height, label) {
     }
     const half = +y(0.5);
     picture.append(
-      svg("text", {x: x(0.5), y: height - 5, "text-anchor": "middle"}, "code value"),
+      svg("text", {x: x(0.5), y: height - 5, "text-anchor": "middle"}, "encoded value (1: white)"),
       svg(
         "text",
         {x: 11, y: half, "text-anchor": "middle", transform: `rotate(-90 11 ${half})`},
-        "relative linear light",
+        "linear light (1: white)",
       ),
     );
   } else {

@@ -62,13 +62,12 @@ function detail(row) {
       "div",
       {},
       compare(row),
-      unsure(row),
       why ? el("p", {class: "absent"}, why) : null,
       says(row),
       nextSteps(row),
       fileLinks(row),
     ),
-    el("div", {}, ...curves(row), factsOf(row)),
+    el("div", {}, ...curves(row), factsOf(row), unsure(row)),
   );
 }
 function show(row) {
