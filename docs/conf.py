@@ -1,5 +1,6 @@
 """Settings of the documentation: `sphinx-build -W docs docs/_build`."""
 
+import re
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -38,13 +39,14 @@ suppress_warnings = ["config.cache"]
 
 
 # What the theme leaves out and a screen reader or a keyboard needs: levels of headings, names of
-# landmarks that there are two of, and a way into what scrolls sideways.
+# landmarks that there are two of, a way into what scrolls sideways, words of links over pictures.
 BARRIERS = {
     'role="heading">': 'role="heading" aria-level="2">',
     '<aside class="sidebar-drawer">': '<aside class="sidebar-drawer" aria-label="Site">',
     '<aside class="toc-drawer': '<aside aria-label="Page" class="toc-drawer',
     "<pre>": '<pre tabindex="0">',
     '<div class="table-wrapper': '<div tabindex="0" class="table-wrapper',
+    r'(reference internal" href="[\w.]+")(><span class="doc">([^<]+)<)': r'\1 aria-label="\3"\2',
 }
 
 
@@ -53,7 +55,7 @@ def take_barriers_away(app: Any, problem: Exception | None) -> None:
     for page in Path(app.outdir).rglob("*.html") if problem is None else ():
         text = found = page.read_text(encoding="utf-8")
         for barrier, mended in BARRIERS.items():
-            text = text.replace(barrier, mended)
+            text = re.sub(barrier, mended, text)
         if text != found:
             page.write_text(text, encoding="utf-8")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.joint import JointModel, conclude, gather, misfit, shipped_joint
 from facecrf_ocio.photo.given import GivenPhoto, photo_given
 from facecrf_ocio.settings import JointSettings
@@ -62,10 +63,12 @@ def calibrate_together(
     PhotoError
         If a photo cannot be read, or is none.
     SettingsError
-        If the prior is not known.
+        If the prior is not known, or there is no photo.
     """
     model = model or shipped_joint()
     evidence = [gather(photo_given(photo), settings, model.networks) for photo in photos]
+    if not evidence:
+        raise SettingsError("no photos to calibrate together; give at least one")
     estimate = conclude(evidence, prior, model)
     return Together(
         estimate,

@@ -37,6 +37,7 @@ def site(tmp_path_factory):
 @pytest.fixture(scope="module")
 def window(tmp_path_factory):
     with chromium(tmp_path_factory.mktemp("profile")) as driver:
+        driver.set_script_timeout(180)  # [s] of axe on a long page, where much else is at work
         yield driver
 
 

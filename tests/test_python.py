@@ -52,6 +52,17 @@ def test_what_is_no_photo_is_told_with_what_is(what):
             call(what)
 
 
+def test_no_photos_at_all_are_told():
+    with pytest.raises(SettingsError, match="no photos to calibrate together; give at least one"):
+        calibrate_together([])
+
+
+def test_a_photo_given_for_a_record_is_told_in_a_few_words(tmp_path):
+    Image.fromarray(np.full((9, 9, 3), 200, np.uint8)).save(tmp_path / "a.jpg")
+    with pytest.raises(LutError, match=r"is not a sidecar of facecrf; name a \.crf\.json$"):
+        read_curve(tmp_path / "a.jpg")
+
+
 def test_photos_taken_together_may_be_paths_and_arrays(tmp_path):
     codes = np.random.default_rng(0).integers(0, 256, (80, 90, 3)).astype(np.uint8)
     path = tmp_path / "a.png"

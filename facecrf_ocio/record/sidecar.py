@@ -181,6 +181,8 @@ def _read(path: Path, parse: Callable[[Any], _T]) -> _T:
         raise LutError(f"{path}: cannot be read: {reason_of(error)}") from error
     except LutError:
         raise
+    except UnicodeDecodeError as error:  # which would quote all of it
+        raise LutError(f"{path}: is not a sidecar of facecrf; name a .crf.json") from error
     except (FaceCRFError, *_DAMAGE) as error:
         raise LutError(
             f"{path}: is not a sidecar of facecrf, or was changed "
