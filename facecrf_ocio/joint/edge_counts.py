@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import cv2
 import numpy as np
 import numpy.typing as npt
@@ -13,30 +15,42 @@ EDGE_LEVELS = 8  # of 32 codes each, not much more than the faintest edge has
 _WHITE = 255  # [code value] of 8 bits
 _FAINTEST = 24  # codes between the two sides of an edge
 _FLAT = 0.15  # of that, which the sides themselves may rise by
+_RUN = 7  # samples across an edge: both sides, three between them, and one beyond each side
 
 
 def count_edges(plane: npt.NDArray[np.uint8] | npt.NDArray[np.uint16], white: int) -> Float:
     """(8, 8, 3) as one size of `NoiseCounts.edges`: steps within four pixels, flat on both sides.
 
     In linear light a blur is as far from one side as from the other, so the mean of an edge's
-    middle pixels lies halfway on the average (after Lin and Zhang, CVPR 2005).
+    middle pixels lies halfway on the average (after Lin and Zhang, CVPR 2005). White is 255 or a
+    multiple of it.
     """
-    found = np.zeros((EDGE_LEVELS * EDGE_LEVELS, 3))
-    values = plane.astype(np.float32) * np.float32(_WHITE / white)
-    for p in (values, np.ascontiguousarray(values.T)):
-        if len(p) < 7:
-            continue
-        rise = p[5:-1] - p[1:-5]
-        place = np.flatnonzero(cv2.absdiff(p[5:-1], p[1:-5]) >= _FAINTEST)
-        run = [p.ravel()[place + i * p.shape[1]] for i in range(7)]
-        rise = rise.ravel()[place]
-        step = [(run[i + 1] - run[i]) / rise for i in range(6)]
-        steady = np.minimum.reduce(step[1:5]) >= 0.0
-        steady &= (np.abs(step[0]) <= _FLAT) & (np.abs(step[5]) <= _FLAT)
-        low, high = np.minimum(run[1], run[5])[steady], np.maximum(run[1], run[5])[steady]
-        middle = ((run[2] + run[3] + run[4])[steady] / 3.0 - low) / np.maximum(high - low, 1.0)
-        unit = (_WHITE + 1) / EDGE_LEVELS
-        cells = (low // unit).astype(np.intp) * EDGE_LEVELS + (high // unit).astype(np.intp)
-        for power in range(3):
-            found[:, power] += np.bincount(cells, middle**power, minlength=len(found))
-    return found.reshape(EDGE_LEVELS, EDGE_LEVELS, 3)
+    parts = white // _WHITE  # of a code, which the plane's integers count
+    turned: Any = cv2.transpose(plane)
+    runs = [_runs(p, parts) for p in (plane, turned) if len(p) >= _RUN]
+    if not runs:
+        return np.zeros((EDGE_LEVELS, EDGE_LEVELS, 3))
+    run = np.concatenate(runs, axis=1)
+    step = np.diff(run, axis=0) / (run[5] - run[1])
+    steady = step[1:5].min(axis=0) >= 0.0
+    steady &= (np.abs(step[0]) <= _FLAT) & (np.abs(step[5]) <= _FLAT)
+    run = run[:, steady]
+    low, high = np.minimum(run[1], run[5]), np.maximum(run[1], run[5])
+    middle = ((run[2] + run[3] + run[4]) / 3.0 - low) / (high - low)
+    unit = np.float32((_WHITE + 1) / EDGE_LEVELS)
+    cells = (low / unit).astype(np.intp) * EDGE_LEVELS + (high / unit).astype(np.intp)
+    powers = [
+        np.bincount(cells, middle**power if power else None, EDGE_LEVELS * EDGE_LEVELS)
+        for power in range(3)
+    ]
+    return np.stack(powers, axis=-1).reshape(EDGE_LEVELS, EDGE_LEVELS, 3).astype(np.float64)
+
+
+def _runs(
+    plane: npt.NDArray[np.uint8] | npt.NDArray[np.uint16], parts: int
+) -> npt.NDArray[np.float32]:
+    """(7, N) codes down a plane whose second and last but one differ enough for an edge."""
+    rise = np.asarray(cv2.absdiff(plane[5:-1], plane[1:-5]))
+    place = np.flatnonzero(rise >= _FAINTEST * parts)
+    below = np.arange(_RUN)[:, None] * plane.shape[1]
+    return np.asarray(plane.ravel().take(place + below), np.float32) / np.float32(parts)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import cv2
@@ -174,7 +174,7 @@ class _Sums:
     def count(self, codes: Codes, mask: Bool | None) -> None:
         channels: Sequence[Plane] = [np.asarray(c, np.uint8) for c in cv2.split(codes)]
         for c, channel in enumerate(channels):
-            self.codes[c] += np.bincount(channel.ravel(), minlength=_WHITE + 1)
+            self.codes[c] += _counts(channel, _WHITE + 1)
         self.blocks += _block_sums(np.asarray(channels[_GREEN], np.uint8))
         soft = count_soft_edges(codes)
         self.soft_edges += soft.middles
@@ -229,8 +229,8 @@ def _differences(plane: Plane, white: int, mask: Bool | None) -> _Differences:
     # OpenCV has no filter from 16 bits to signed 16 bits.
     depth = cv2.CV_16S if plane.dtype == np.uint8 else cv2.CV_32F
     residue = cv2.filter2D(plane, depth, SECOND_DIFFERENCE)[inside].astype(np.int32)
-    brightest, darkest = (change(plane, _NEIGHBORS)[inside] for change in (cv2.dilate, cv2.erode))
-    counted = (brightest < white) & (darkest > 0)
+    between = cv2.inRange(plane, np.array([1.0]), np.array([white - 1.0]))
+    counted = cv2.erode(between, _NEIGHBORS)[inside] > 0
     if mask is not None:
         counted &= mask[: plane.shape[0], : plane.shape[1]][inside]
     level = (sums * np.float32(LEVELS / (9 * white + 1))).astype(np.uint8)
@@ -267,25 +267,33 @@ def _agreements(one: Signs, other: Signs, level: Codes) -> Float:
 
 def _lag_agreements(signs: Signs, level: Codes) -> Float:
     """(3, 2, L) as `NoiseCounts.lags`."""
+    # One row after another, with neighbors of sign 0 beyond the last column and row: a lag is a
+    # shift of one line of numbers then, and no neighbor lies in the next row.
+    most = max(step for lags in LAGS for lag in lags for step in lag)
+    height, width = signs.shape
+    wide, pairs = width + most, (height + most) * (width + most) - most * (width + most + 1)
+    around: Any = partial(cv2.copyMakeBorder, borderType=cv2.BORDER_CONSTANT)
+    line, levels = (around(part, 0, most, 0, most).ravel() for part in (signs, level))
     found = np.zeros((len(LAGS), 2, LEVELS))
-    height, width = level.shape
     for number, lags in enumerate(LAGS):
         for down, right in lags:
-            if height > down and width > right:
-                here = slice(0, height - down), slice(0, width - right)
-                found[number] += _agreements(signs[here], signs[down:, right:], level[here])
+            shift = down * wide + right
+            there = line[shift : shift + pairs]
+            found[number] += _agreements(line[:pairs], there, levels[:pairs])
     return found
 
 
 def _block_sums(green: Codes) -> Float:
     """(2, 8, 2) as `NoiseCounts.blocks`."""
     found = np.zeros((2, BLOCK, 2))
-    for axis, plane in enumerate((green, green.T)):
-        if len(plane) < _NARROWEST:
+    for axis, (one, other) in enumerate(
+        ((green[1:], green[:-1]), (green[:, 1:], green[:, :-1])),
+    ):
+        if green.shape[axis] < _NARROWEST:
             continue
-        step = np.minimum(cv2.absdiff(plane[1:], plane[:-1]), _MOST_DIFFERENCE)
-        rows = step.sum(axis=1, dtype=np.float64)
-        place = np.arange(len(rows)) % BLOCK
-        found[axis, :, 0] = np.bincount(place, rows, minlength=BLOCK)
-        found[axis, :, 1] = np.bincount(place, minlength=BLOCK) * step.shape[1]
+        step = np.minimum(cv2.absdiff(one, other), np.uint8(_MOST_DIFFERENCE))
+        sums = cv2.reduce(step, 1 - axis, cv2.REDUCE_SUM, dtype=cv2.CV_32S).ravel()
+        place = np.arange(len(sums)) % BLOCK
+        found[axis, :, 0] = np.bincount(place, sums, minlength=BLOCK)
+        found[axis, :, 1] = np.bincount(place, minlength=BLOCK) * green.shape[1 - axis]
     return found

@@ -9,7 +9,9 @@ alone, which is why they are sought at several sizes.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -23,7 +25,7 @@ SOFT_SIZES = (1, 2, 4, 8)
 """Pixels of the photo per sample; each alone says something, all together most."""
 CHANNEL_PAIRS = ((0, 1), (1, 2), (0, 2))
 """Each once."""
-_FAINTEST = 14.0  # codes between both sides
+_FAINTEST = 14  # codes between both sides
 _LEAST, _MOST = 0.04, 0.45  # of the rise, in each of its four steps: monotone, and not at once
 _FLAT = 0.2  # of the rise, by which the sides themselves may rise
 _BLACK, _WHITE = 0.5, 254.5  # [code value] below and from which a pixel is clipped
@@ -31,6 +33,7 @@ _LEVEL = 256 // SOFT_LEVELS  # codes
 _APART = 2  # columns, of the finest size alone: neighbors see the same edge, and cost the most
 _RUN = 7  # samples across an edge: both sides, three between them, and one beyond each side
 
+Image = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
 Plane = npt.NDArray[np.float32]
 Places = npt.NDArray[np.intp]
 
@@ -57,99 +60,145 @@ class SoftEdges:
 
 def count_soft_edges(codes: npt.NDArray[np.uint8]) -> SoftEdges:
     """Soft edges down and across a window (H, W, 3) of 8-bit codes."""
-    middles = np.zeros((len(SOFT_SIZES), SOFT_LEVELS * SOFT_LEVELS, 3))
-    lines = np.zeros((len(SOFT_SIZES), SOFT_LEVELS, SOFT_LEVELS + 3))
-    channels = cv2.split(codes)
+    image: Image = codes
+    found: list[tuple[int, _Edges]] = []
     for number, size in enumerate(SOFT_SIZES):
-        planes = [_reduced(np.asarray(channel, np.float32), size) for channel in channels]
-        step = _APART if size == 1 else 1
-        seen, both = [], []
-        for turned in (planes, [plane.T for plane in planes]):
-            if len(turned[0]) < _RUN:
-                continue
-            edges = [_Edges.down(np.ascontiguousarray(plane[:, ::step])) for plane in turned]
-            seen += [edge.run for edge in edges]
-            both += [_seen_in_both(edges[one], edges[other]) for one, other in CHANNEL_PAIRS]
-        if seen:
-            _count_middles(np.concatenate(seen, axis=1), middles[number])
-            _count_lines(np.concatenate(both, axis=1), lines[number])
-    return SoftEdges(middles.reshape(*lines.shape[:2], SOFT_LEVELS, 3), lines)
+        if size > 1:
+            image = _halved(image)
+        if not image.size:
+            break
+        stacks = _stacks(image, _APART if size == 1 else 1)
+        found += [(number, _Edges.along(stack)) for stack in stacks]
+    middles = np.zeros((len(SOFT_SIZES), SOFT_LEVELS, SOFT_LEVELS, 3))
+    lines = np.zeros((len(SOFT_SIZES), SOFT_LEVELS, SOFT_LEVELS + 3))
+    if found:
+        _count_middles(*_of_all([(number, edges.run) for number, edges in found]), middles)
+        _count_lines(*_of_all([(number, edges.in_both()) for number, edges in found]), lines)
+    return SoftEdges(middles, lines)
 
 
-def _reduced(plane: Plane, size: int) -> Plane:
-    height, width = plane.shape[0] // size, plane.shape[1] // size
-    whole = plane[: height * size, : width * size]
-    if size == 1 or not whole.size:
-        return whole[:height, :width]
+def _of_all(found: Sequence[tuple[int, Plane]]) -> tuple[Plane, Places]:
+    """(7, N, ...) runs of several sizes, and (N,) the size that each is of."""
+    numbers = [np.full(runs.shape[1], number) for number, runs in found]
+    return np.concatenate([runs for _, runs in found], axis=1), np.concatenate(numbers)
+
+
+def _halved(image: Image) -> Image:
+    """Means of two by two pixels, exact: of 64 codes they have no more bits than a float."""
+    height, width = image.shape[0] // 2, image.shape[1] // 2
+    if not height or not width:
+        return np.zeros((height, width, 3), np.float32)
+    whole = image[: 2 * height, : 2 * width].astype(np.float32)
     return np.asarray(cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA), np.float32)
+
+
+def _stacks(image: Image, step: int) -> Iterator[Image]:
+    """(H, T, 3, W) planes to be searched from top to bottom, every `step`-th column of each.
+
+    As few stacks as there are heights: planes of T turns and three channels are searched at once,
+    since most of the time goes by the call.
+    """
+    split: Any = cv2.split(image)
+    channels: list[Any] = list(split)
+    turns = channels, [cv2.transpose(channel) for channel in channels]
+    height, width = channels[0].shape
+    for part in [turns] if height == width else [(turn,) for turn in turns]:
+        if len(part[0][0]) >= _RUN:
+            planes = [np.stack([plane[:, ::step] for plane in turn], axis=1) for turn in part]
+            yield np.stack(planes, axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Edges:
-    """Where seven samples down a plane are a soft edge.
+    """Where seven samples down a stack of planes are a soft edge.
 
     Attributes
     ----------
+    stack
+        (H, T, 3, W) the planes.
     places
-        (N,) index of the first sample of each into the plane's pixels; ascending.
+        (N,) index of the first sample of each into the stack's pixels; ascending.
     run
         (7, N) samples.
     """
 
+    stack: Image
     places: Places
     run: Plane
 
     @classmethod
-    def down(cls, plane: Plane) -> _Edges:
-        """All of a plane (H, W)."""
-        values, apart = plane.ravel(), np.arange(_RUN)[:, None] * plane.shape[1]
-        rises = (plane[5:-1] - plane[1:-5]).ravel()
-        places = np.flatnonzero(np.abs(rises) >= _FAINTEST)
+    def along(cls, stack: Image) -> _Edges:
+        """All of a stack."""
+        rises = cv2.absdiff(*(part.reshape(len(part), -1) for part in (stack[5:-1], stack[1:-5])))
+        places = np.flatnonzero(np.asarray(rises) >= _FAINTEST)
         # Most fail here, before the samples beyond both sides are looked at.
-        step = np.diff(values.take(places + apart[1:6]), axis=0) / rises[places]
+        inner = _samples(stack, places, slice(1, 6))
+        step = np.diff(inner, axis=0) / (inner[4] - inner[0])
         places = places[(step.min(axis=0) >= _LEAST) & (step.max(axis=0) <= _MOST)]
-        run, rise = values.take(places + apart), np.abs(rises[places])
+        run = _samples(stack, places, slice(0, _RUN))
+        rise = np.abs(run[5] - run[1])
         soft = (np.abs(run[1] - run[0]) / rise <= _FLAT) & (np.abs(run[6] - run[5]) / rise <= _FLAT)
         soft &= run.max(axis=0) < _WHITE
-        return cls(places[soft], run[:, soft])
+        return cls(stack, places[soft], run[:, soft])
+
+    def in_both(self) -> Plane:
+        """(7, N, 2) samples of the edges that two channels show at the same place."""
+        _, turns, _, width = self.stack.shape
+        there = np.zeros((len(self.stack) * turns, 3, width), bool)
+        there.ravel()[self.places] = True
+        pairs = []
+        for one, other in CHANNEL_PAIRS:
+            places = np.flatnonzero(there[:, one] & there[:, other])
+            row, column = np.divmod(places, width)
+            first = row * (3 * width) + column
+            pairs.append(np.stack([first + one * width, first + other * width], axis=-1))
+        return _samples(self.stack, np.concatenate(pairs), slice(0, _RUN))
 
 
-def _seen_in_both(one: _Edges, other: _Edges) -> Plane:
-    """(7, N, 2) samples of the edges that two channels show at the same place."""
-    _, first, second = np.intersect1d(
-        one.places, other.places, assume_unique=True, return_indices=True
-    )
-    return np.stack([one.run[:, first], other.run[:, second]], axis=-1)
+def _samples(stack: Image, places: Places, rows: slice) -> Plane:
+    """(R, ...) the samples of some rows below each place, from its own on."""
+    below = np.arange(rows.start, rows.stop) * stack[0].size
+    found = stack.ravel().take(places + below.reshape(-1, *(1 for _ in places.shape)))
+    return np.asarray(found, np.float32)
 
 
-def _count_middles(run: Plane, found: Float) -> None:
-    """Add edges (7, N) to (64, 3)."""
+def _count_middles(run: Plane, size: Places, found: Float) -> None:
+    """Add edges (7, N) to (4, 8, 8, 3)."""
     low, high = np.minimum(run[1], run[5]), np.maximum(run[1], run[5])
     middle = ((run[2] + run[3] + run[4]) / 3.0 - low) / (high - low)
-    cells = (low // _LEVEL).astype(np.intp) * SOFT_LEVELS + (high // _LEVEL).astype(np.intp)
+    cells = (size * SOFT_LEVELS + _level(low)) * SOFT_LEVELS + _level(high)
     for power in range(3):
-        found[:, power] += np.bincount(cells, middle**power, minlength=len(found))
+        _add(found[..., power], cells, middle**power if power else None)
 
 
-def _count_lines(runs: Plane, found: Float) -> None:
-    """Add edges (7, N, 2) in two channels to the normal equations (8, 11).
+def _count_lines(runs: Plane, size: Places, found: Float) -> None:
+    """Add edges (7, N, 2) in two channels to the normal equations (4, 8, 11).
 
     Where light has the share b of the rise r from one side to the other, its code has
     b + b (1 - b) r k / 2 of it, to second order, for k = g'' / g' at the codes between. b is the
     same in all channels, and what the codes' shares differ by is linear in k.
     """
-    runs = runs[:, runs.min(axis=(0, 2)) > _BLACK]
+    unclipped = runs.min(axis=(0, 2)) > _BLACK
+    runs, size = runs[:, unclipped], size[unclipped]
     rise = runs[5] - runs[1]
     shares = (runs[2:5] - runs[1]) / rise
     common = 0.5 * (shares[..., 0] + shares[..., 1])
     blend = (common * (1.0 - common)).sum(axis=0) / 6.0
-    level = ((runs[1] + runs[5]) / (2 * _LEVEL)).astype(np.intp)
-    apart = (shares[..., 0] - shares[..., 1]).sum(axis=0) / 3.0
+    level = _level(0.5 * (runs[1] + runs[5]))
+    apart = ((shares[..., 0] - shares[..., 1]).sum(axis=0) / 3.0)[:, None]
     x = np.stack([blend, -blend], axis=1) * rise / 255.0
-    for one in (0, 1):
-        for other in (0, 1):
-            cells = level[:, one] * SOFT_LEVELS + level[:, other]
-            product = np.bincount(cells, x[:, one] * x[:, other], SOFT_LEVELS * SOFT_LEVELS)
-            found[:, :SOFT_LEVELS] += product.reshape(SOFT_LEVELS, SOFT_LEVELS)
-        for column, weights in enumerate((x[:, one] * apart, None, apart**2)):
-            found[:, SOFT_LEVELS + column] += np.bincount(level[:, one], weights, SOFT_LEVELS)
+    row = size[:, None] * SOFT_LEVELS + level
+    cells = row[:, :, None] * SOFT_LEVELS + level[:, None, :]
+    _add(found[..., :SOFT_LEVELS], cells, x[:, :, None] * x[:, None, :])
+    for column, weights in enumerate((x * apart, None, np.broadcast_to(apart**2, x.shape))):
+        _add(found[..., SOFT_LEVELS + column], row, weights)
+
+
+def _level(codes: Plane) -> Places:
+    return (codes / np.float32(_LEVEL)).astype(np.intp)
+
+
+def _add(found: Float, cells: Places, weights: Plane | None) -> None:
+    """Add weights, 1 each if None, to the cells of an array."""
+    told = None if weights is None else weights.ravel()
+    found += np.bincount(cells.ravel(), told, found.size).reshape(found.shape)
