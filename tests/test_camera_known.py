@@ -24,7 +24,13 @@ from facecrf_ocio.cameras.known_cameras import (
 )
 from facecrf_ocio.joint import PhotoEvidence, conclude
 from facecrf_ocio.joint.conclusion import _fused
-from facecrf_ocio.joint.known_response import STYLES, coefficients, known_response
+from facecrf_ocio.joint.cue_weights import agreeing_shares
+from facecrf_ocio.joint.known_response import (
+    STYLES,
+    coefficients,
+    known_response,
+    share_beside,
+)
 from facecrf_ocio.joint.prior import Message, shipped_prior
 from facecrf_ocio.values import Verdict
 from facecrf_ocio.wording.sentence import sentence
@@ -91,6 +97,27 @@ def test_a_photo_may_contradict_its_camera():
         "the photo contradicts the measured response of Acme One: another picture style, or edited"
     )
     assert doubt in sentence(known)
+
+
+def test_bends_of_a_measured_curve_contradict_no_photo():
+    """As red and blue of the 350D have them, solved from a stack; brightness and contrast agree."""
+    prior = shipped_prior()
+    bends = np.zeros(prior.basis.shape[0])
+    bends[4:7] = 3.0, 5.0, -4.0
+    light = np.maximum.accumulate(np.clip(prior.roots(bends), 0.0, 1.0)) ** 2
+    row = tuple(np.interp(CODES, prior.grid, light / light[-1]).tolist())
+    bent = replace(camera(2.4), linear=(row, row, row))
+    known = known_response([bent], "Acme", "One", prior).message
+    assert np.abs(known.mean[2:]).max() > 2.0
+    plain = np.concatenate([known.mean[:2], np.zeros(known.mean.size - 2)])
+    photo = Message(plain, np.full(plain.size, 6.0))
+    told = PhotoEvidence({"grain": photo}, np.ones((3, 64)), camera=("Acme", "One"))
+    assert conclude([told], cameras=(bent,)).confidence.doubts == ()
+    weights = prior.weights_for("auto", 0.0, 0.0)
+    assert agreeing_shares({"a": photo, "b": known}, prior, weights)["b"] < 0.5
+    assert share_beside(known, prior.posterior(photo, weights)) == 1.0
+    away = Message(plain - 3.0, np.full(plain.size, 6.0))
+    assert share_beside(known, prior.posterior(away, weights)) < 0.5
 
 
 @pytest.mark.parametrize("photos", [1, 2, 12])

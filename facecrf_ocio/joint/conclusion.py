@@ -10,13 +10,18 @@ from pathlib import Path
 
 import numpy as np
 
-from facecrf_ocio.cameras.known_cameras import KnownCamera, known_cameras
+from facecrf_ocio.cameras.known_cameras import KnownCamera
 from facecrf_ocio.files.plain_text import counted
 from facecrf_ocio.files.stored_arrays import load_arrays
 from facecrf_ocio.joint.cue_weights import agreeing_shares
 from facecrf_ocio.joint.evidence import PhotoEvidence
 from facecrf_ocio.joint.fuse import average, multiply, widened
-from facecrf_ocio.joint.known_response import KnownResponse, in_channels, known_response
+from facecrf_ocio.joint.known_response import (
+    KnownResponse,
+    in_channels,
+    known_responses,
+    share_beside,
+)
 from facecrf_ocio.joint.messages import COMBINED, Networks, networks_of
 from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior, prior_of
 from facecrf_ocio.joint.verdict import deviations, doubted, judge, not_single
@@ -126,7 +131,7 @@ def conclude(
     called = [name for name, e in zip(names, evidence, strict=True) if e.messages]
     leanings = [(e.leaning, e.phone) for e in telling or evidence] or [(0.0, 0.0)]
     weights = model.prior.weights_for(prior, *np.mean(leanings, axis=0).tolist())
-    known = _known(telling, model.prior, cameras)
+    known = known_responses((one.camera for one in telling), model.prior, cameras)
     named = dict(zip(called, telling, strict=True))
     posterior, dissent = _fused(named, model.prior, weights, known, correlation)
     posterior = besides(posterior) if besides and telling else posterior
@@ -168,20 +173,6 @@ def _doubts_of(named: Mapping[str, PhotoEvidence]) -> tuple[str, ...]:
     said = {name: one.doubt for name, one in named.items() if one.doubt}
     alone = len(named) == 1
     return not_single(doubt if alone else f"{name}: {doubt}" for name, doubt in said.items())
-
-
-def _known(
-    telling: Sequence[PhotoEvidence],
-    prior: FamilyPrior,
-    cameras: Sequence[KnownCamera] | None,
-) -> dict[tuple[str, str], KnownResponse]:
-    """What was measured of the cameras that the photos name."""
-    named = {one.camera for one in telling if one.camera[1].strip()}
-    if not named:
-        return {}  # most photos: the registry is not read for them
-    listed = known_cameras() if cameras is None else cameras
-    found = {one: known_response(listed, *one, prior) for one in sorted(named)}
-    return {one: known for one, known in found.items() if known is not None}
 
 
 def _with_cameras(
@@ -243,11 +234,13 @@ def _fused(
         if camera is not None:
             messages[_measured(camera)] = camera.message
         shares = agreeing_shares(messages, prior, weights)
-        if camera is not None:
-            of_cameras.setdefault(camera.name, []).append(shares[_measured(camera)])
         joined = multiply(list(one.messages.values()), [shares[c] for c in one.messages])
         if joined is not None:
             of_photos[name] = joined
+        if camera is not None:
+            share = share_beside(camera.message, prior.posterior(joined, weights))
+            of_cameras.setdefault(camera.name, []).append(share)
+            shares[_measured(camera)] = share
         outvoted += [_NAMES.get(cue, cue) for cue, share in shares.items() if share < 0.5]
     if not of_photos:
         return prior.posterior(None, weights), ()

@@ -34,8 +34,13 @@ def agreeing_shares(
         pulls = (others * shares) @ (precisions * means)
         left = prior.posteriors(pulls / joined, joined, weights)
         distances = squared_distances(means, precisions, *left)
-        shares = np.minimum(1.0, (_FREEDOM + means.shape[1]) / (_FREEDOM + distances))
+        shares = shares_at(distances, means.shape[1])
     return dict(zip(messages, shares.tolist(), strict=True))
+
+
+def shares_at(distances: Float, coefficients: int) -> Float:
+    """Weight of a multivariate t distribution at squared distances, at most 1."""
+    return np.asarray(np.minimum(1.0, (_FREEDOM + coefficients) / (_FREEDOM + distances)))
 
 
 def squared_distances(means: Float, precisions: Float, centers: Float, covariances: Float) -> Float:

@@ -11,8 +11,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from facecrf_ocio.cameras.known_cameras import KnownCamera, matching, shipped_cameras
-from facecrf_ocio.joint.prior import FamilyPrior, Message
+from facecrf_ocio.cameras.known_cameras import (
+    KnownCamera,
+    known_cameras,
+    matching,
+    shipped_cameras,
+)
+from facecrf_ocio.joint.cue_weights import shares_at
+from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior
 from facecrf_ocio.response.model import strictly_increasing
 from facecrf_ocio.values import Float, InverseCRF
 
@@ -22,6 +28,9 @@ of the first, the second, and all others. Root mean squares of differences in 19
 measurements of six models of Nikon and Canon, by stacks and by raw files beside JPEGs, are 0.16,
 0.26 and 0.95 to 2.5; cameras of unlike models lie 0.6, 0.9 and 1.0 to 1.9 about their mean. So a
 model tells brightness and contrast of its curve, and nothing of its toe and shoulder."""
+
+_IN_COMMON = 2
+"""Coefficients that measurements of one model agree in: the first of `STYLES`."""
 
 _UNIT_STOPS = 0.45
 """[stop] Mean deviation over codes 64 to 235 of a curve whose coefficients deviate by 1."""
@@ -47,6 +56,30 @@ class KnownResponse:
     apart: Float
 
 
+def known_responses(
+    named: Iterable[tuple[str, str]],
+    prior: FamilyPrior,
+    cameras: Sequence[KnownCamera] | None,
+) -> dict[tuple[str, str], KnownResponse]:
+    """What was measured of the cameras that photos name, by make and model.
+
+    Parameters
+    ----------
+    named
+        Make and model of each photo.
+    prior
+        In whose coefficients messages are.
+    cameras
+        Where to look them up; those that ship and the user's own by default.
+    """
+    called = {one for one in named if one[1].strip()}
+    if not called:
+        return {}  # most photos: the registry is not read for them
+    listed = known_cameras() if cameras is None else cameras
+    found = {one: known_response(listed, *one, prior) for one in sorted(called)}
+    return {one: known for one, known in found.items() if known is not None}
+
+
 def known_response(
     cameras: Sequence[KnownCamera], make: str, model: str, prior: FamilyPrior
 ) -> KnownResponse | None:
@@ -58,12 +91,24 @@ def known_response(
     each = np.array([coefficients(one, prior) for one in found])
     first, second, others = STYLES
     spread = np.full(each.shape[1], others)
-    spread[:2] = first, second
+    spread[:_IN_COMMON] = first, second
     return KnownResponse(
         _called(found[0]),
         Message(sure @ each / sure.sum(), 1.0 / (spread**2 + 1.0 / sure.sum())),
         _apart([one for one in found if one not in shipped_cameras()], prior),
     )
+
+
+def share_beside(known: Message, photo: Posterior) -> float:
+    """Share of what is known of a camera beside what a photo says; below 1/2 they contradict.
+
+    By brightness and contrast alone, which one model's curves have in common. Its toe and shoulder
+    are not told by a measurement, and where a camera's channels differ, their mean has bends that
+    no single curve has, so that a photo seemed to contradict what it was taken with.
+    """
+    offset = (known.mean - photo.mean)[:_IN_COMMON]
+    spread = photo.covariance[:_IN_COMMON, :_IN_COMMON] + np.diag(1 / known.precision[:_IN_COMMON])
+    return float(shares_at(offset @ np.linalg.solve(spread, offset), _IN_COMMON))
 
 
 def in_channels(
