@@ -28,7 +28,7 @@ def agreeing_shares(
     means = np.array([message.mean for message in said])
     precisions = np.array([message.precision for message in said])
     others = 1.0 - np.eye(len(said))
-    shares = np.ones(len(said))
+    shares: Float = np.ones(len(said))
     for _ in range(_ROUNDS):
         joined = (others * shares) @ precisions
         pulls = (others * shares) @ (precisions * means)
