@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813
@@ -13,8 +15,10 @@ from photo_files import pixels_of
 from facecrf_ocio.benchmark.peers import merge_errors
 from facecrf_ocio.pair.bracket_pixels import small_bracket
 from facecrf_ocio.pair.merge import merge_bracket, refined_stops
+from facecrf_ocio.record.sidecar import write_sidecar
+from facecrf_ocio.settings import Settings
 from facecrf_ocio.synthetic import encode, gamma_curve
-from facecrf_ocio.values import Photo
+from facecrf_ocio.values import Estimate, Outcome, Photo
 
 CURVE = gamma_curve(2.2)
 STOPS = np.array([-4.0, -2.0, 0.0, 2.0])
@@ -189,6 +193,20 @@ def test_the_command_writes_a_tagged_exr(capfd, tmp_path):
     assert spec["oiio:ColorSpace"] == "unknown"  # the photos tell no primaries
     again = CommandLine(capfd)("merge", *photos, "-o", target)
     assert again.code == 1
+
+
+def test_photos_that_are_not_exposed_as_they_tell_are_named(capfd, tmp_path):
+    photos = [
+        write_picture(tmp_path / f"{n}.jpg", scene() * np.float32(0.25), CURVE, **exposed(n, s))
+        for n, s in enumerate((-4, -2, 0, 2))
+    ]
+    known = Estimate(Outcome.CALIBRATED, "chart", "", found=CURVE)
+    photo = replace(shot(scene(), 0.0, 0), path=photos[0], sha256="ab" * 32)
+    record = write_sidecar(tmp_path / "known.crf.json", photo, known, Settings())
+    ended = CommandLine(capfd)("merge", *photos, "-o", tmp_path / "a.exr", "--curve", record)
+    named = [line for line in ended.err.splitlines() if "disagrees with the others" in line]
+    assert named
+    assert all("--stops" in line for line in named)
 
 
 @pytest.mark.slow

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from facecrf_ocio.pair.calibrate_bracket import BracketEstimate
     from facecrf_ocio.values import Estimate
 
+# Share of a photo that moved: of a still scene less than 0.01, of one with people less than half.
+_ANOTHER_SCENE = 0.5
+
 
 @click.command()
 @click.argument("photos", nargs=-1, required=True, type=PHOTO_PATH, metavar="BRACKET...")
@@ -81,6 +84,13 @@ def merge(
     say(f"{output}: {len(photos)} exposures, curve by {estimate.estimator}")
     for path, stop, gone in zip(photos, merged.stops, merged.moved, strict=True):
         say(f"  {path.name}: {stop:+.2f} stops, {100.0 * gone:.1f} % moved")
+    for path, gone in zip(photos, merged.moved, strict=True):
+        if gone > _ANOTHER_SCENE:
+            say(
+                f"facecrf: {path}: {100.0 * gone:.0f} % of it disagrees with the others: another "
+                "scene, or not the exposure that its EXIF tells; merge without it, or give --stops",
+                err=True,
+            )
     return 0
 
 
