@@ -136,3 +136,12 @@ def test_a_photo_that_is_missing_or_a_folder_is_told_in_words(capfd, tmp_path, c
         assert said in ended.err
         assert len(ended.err.splitlines()) == 1
     assert not (tmp_path / output).exists()
+
+
+def test_a_text_named_as_a_photo_is_told_as_no_image(capfd, tmp_path):
+    photos = [tmp_path / f"{n}.jpg" for n in range(2)]
+    for photo in photos:
+        photo.write_text("no light here")
+    ended = CommandLine(capfd)("bracket", *photos, "-o", tmp_path / "out")
+    assert ended.code == 3
+    assert "0.jpg: is not an image that can be read" in ended.err

@@ -45,6 +45,9 @@ def solve(photos: tuple[Path, ...], given: str | None) -> BracketEstimate:
         check_file(path)  # tells in words what EXIF's reader would not
     shots = [read_shot(path) for path in photos]
     if given is None:
+        for path, shot in zip(photos, shots, strict=True):
+            if shot.exposure_s <= 0.0:
+                read_photo(path)  # what is no photo is told as that, not as one without EXIF
         empty = np.zeros((1, 1, 3), np.float32)
         stops = stops_by_exif(shots, [Photo(empty, path=path) for path in photos])
     else:
