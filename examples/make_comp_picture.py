@@ -96,7 +96,8 @@ def main(folder: Path) -> Path:
         "composited in code values": encoded.clip(0, 1),
         "composited in linear light, by the photo's own curve": curve.encode(linear.clip(0, 1)),
     }
-    figure = Figure(figsize=(16, 9.75), facecolor=GROUND, layout="constrained")
+    figure = Figure(figsize=(16, 9.75), facecolor=GROUND)
+    figure.subplots_adjust(left=0.003, right=0.997, bottom=0.01, top=0.93, wspace=0.015)
     for axes, (title, image) in zip(figure.subplots(1, len(panels)), panels.items(), strict=True):
         axes.imshow(image)
         axes.set_title(title, color="white", fontsize=19, pad=12)

@@ -41,7 +41,12 @@ from facecrf_ocio.values import (
 # Photos of one camera err alike in part (what a cue does not know of any photo): the correlation of
 # their errors, by which bands of several photos cover as they say.
 PHOTO_CORRELATION = 0.5
-_NAMES = {COMBINED: "the combination of all cues"}
+# Of cues whose names in the code are not words.
+_NAMES = {
+    COMBINED: "the combination of all cues",
+    "soft_edges": "soft edges",
+    "color_lines": "color lines",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,7 +161,7 @@ def conclude(
             coefficients=np.tile(coefficients, (len(CHANNELS), 1)),
         )
     faces = tuple(e.face for e in telling if e.face is not None)
-    cues = sorted({cue for e in telling for cue in e.messages} - {COMBINED})
+    cues = sorted({_NAMES.get(c, c) for e in telling for c in e.messages if c != COMBINED})
     return Estimate(
         Outcome.CALIBRATED,
         "joint",
