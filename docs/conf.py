@@ -46,6 +46,7 @@ BARRIERS = {
     '<aside class="toc-drawer': '<aside aria-label="Page" class="toc-drawer',
     "<pre>": '<pre tabindex="0">',
     '<div class="table-wrapper': '<div tabindex="0" class="table-wrapper',
+    r'(</noscript>\s*)(<div id="search-results">)': r"\1<h1>Search</h1>\n\2",
     r'(reference internal" href="[\w.]+")(><span class="doc">([^<]+)<)': r'\1 aria-label="\3"\2',
 }
 

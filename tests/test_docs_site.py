@@ -13,8 +13,17 @@ from browser import chromium, use_theme
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[1]
-# One of each kind: text with a picture, tables, signatures, a program with its output, a gallery.
-PAGES = ("index", "quickstart", "hosts/index", "python", "gallery/01_one_photo", "gallery/index")
+# One of each kind: text with a picture, tables, signatures, a program with its output, a gallery,
+# and one that the theme makes.
+PAGES = (
+    "index",
+    "quickstart",
+    "hosts/index",
+    "python",
+    "gallery/01_one_photo",
+    "gallery/index",
+    "search",
+)
 WIDTHS = (390, 1400)
 
 
