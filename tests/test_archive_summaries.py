@@ -5,13 +5,12 @@ from __future__ import annotations
 import base64
 import json
 import os
-import shutil
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from test_archive_report import change, page_of
-from test_archive_thumbnails import NAMES, batch, made  # noqa: F401 - a fixture
+from test_archive_thumbnails import NAMES, batch, made, own_copy  # noqa: F401 - a fixture
 
 from facecrf_ocio.archive.place import Place
 from facecrf_ocio.archive.report import look_again, record_summary
@@ -23,12 +22,7 @@ COLUMNS = ("faces", "stops", "shadows", "line", "sentence", "steps", "files", "m
 
 @pytest.fixture
 def archive(made, tmp_path):  # noqa: F811
-    place = tmp_path / "archive"
-    shutil.copytree(made, place)
-    change(
-        place / "luts", ("UPDATE about SET value = ? WHERE key = 'source'", str(place / "photos"))
-    )
-    return place / "luts"
+    return own_copy(made, tmp_path)
 
 
 @pytest.fixture

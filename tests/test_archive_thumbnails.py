@@ -50,14 +50,19 @@ def made(tmp_path_factory):
     return place
 
 
-@pytest.fixture
-def archive(made, tmp_path):
-    place = tmp_path / "archive"
+def own_copy(made, folder):
+    """The outputs of a copy of an archive, which a test may change."""
+    place = folder / "archive"
     shutil.copytree(made, place)
     change(
         place / "luts", ("UPDATE about SET value = ? WHERE key = 'source'", str(place / "photos"))
     )
     return place / "luts"
+
+
+@pytest.fixture
+def archive(made, tmp_path):
+    return own_copy(made, tmp_path)
 
 
 @pytest.fixture

@@ -66,8 +66,9 @@ def _archive(photos: Path, outputs: Path, count: int, megapixels: float) -> Path
     estimate = calibrate(read)
     written = write_outputs(read, estimate, Settings(), outputs)
     summary = summary_of(estimate, tuple(path.name for path in written[:-1]))
-    record = outputs / "0.jpg.crf.json"
-    content, made = record.read_bytes(), record.stat().st_mtime_ns
+    record = outputs / output_name(first.name, RECORD)
+    content, written_ns = record.read_bytes(), record.stat().st_mtime_ns
+    of_record = len(content), sha256(content).hexdigest(), written_ns
     thumbnail = thumbnail_of(read, estimate)
     status, digest = first.stat(), sha256(first.read_bytes()).hexdigest()
     manifest = Manifest(outputs)
@@ -82,7 +83,7 @@ def _archive(photos: Path, outputs: Path, count: int, megapixels: float) -> Path
             told = Result(
                 *("calibrated", "weak", "joint", estimate.reason),
                 sha256=digest,
-                outputs=(Output(own, len(content), sha256(content).hexdigest(), made),),
+                outputs=(Output(own, *of_record),),
                 thumbnail=thumbnail,
                 summary=summary,
             )
