@@ -120,7 +120,9 @@ def calibrate(
         joint = joint or shipped_joint()
         evidence = evidence or gather(photo, settings, joint.networks)
         refuse = estimator == "auto" or fallback != "none"
-        estimate = _joint(photo, evidence, prior, joint, refuse=refuse)
+        estimate = _joint(
+            photo, evidence, prior, joint, refuse=refuse, shared=settings.shared_curve
+        )
     else:
         # SciPy is slow to import, and the default estimator goes without it.
         from facecrf_ocio.published.estimate import published_estimate  # noqa: PLC0415
@@ -143,13 +145,19 @@ def _of_kind(kind: type[_Model], model: object, estimator: str) -> _Model | None
 
 
 def _joint(
-    photo: Photo, evidence: PhotoEvidence, prior: str, model: JointModel, *, refuse: bool
+    photo: Photo,
+    evidence: PhotoEvidence,
+    prior: str,
+    model: JointModel,
+    *,
+    refuse: bool,
+    shared: bool,
 ) -> Estimate:
     """Every cue of the photo against the prior; without evidence a refusal, or the prior's mean."""
     if not evidence.messages and refuse:
         return Estimate(Outcome.NOT_CALIBRATED, "joint", evidence.lacking, evidence.remedy)
-    estimate = conclude([evidence], prior, model)
-    return replace(estimate, assumptions=(*assumptions_of(photo), SAME_CURVE))
+    estimate = conclude([evidence], prior, model, shared=shared)
+    return assumed(estimate, photo)
 
 
 def _doubted(estimate: Estimate, photo: Photo, most_scatter: float) -> Estimate:
@@ -238,6 +246,17 @@ def _fixed_curve(name: str, photo: Photo, model: ResponseModel) -> Estimate:
 def _fall_back(estimate: Estimate, name: str, photo: Photo, model: ResponseModel) -> Estimate:
     fixed = _fixed_curve(name, photo, model)
     return replace(fixed, reason=f"{estimate.reason}: fell back to the {name} curve")
+
+
+def assumed(estimate: Estimate, photo: Photo) -> Estimate:
+    """With what a curve takes for granted: that channels are alike only where they are."""
+    alike = () if _apart(estimate) else (SAME_CURVE,)
+    return replace(estimate, assumptions=(*assumptions_of(photo), *alike))
+
+
+def _apart(estimate: Estimate) -> bool:
+    found = estimate.found
+    return found is not None and bool((found.linear != found.linear[0]).any())
 
 
 def assumptions_of(photo: Photo) -> tuple[str, ...]:

@@ -12,10 +12,13 @@ VERDICTS = ("prior only", "weak", "reliable")
 
 @dataclass(frozen=True)
 class FaceSettings:
-    """How every estimator looks at a face.
+    """What every estimator is told: how to look at a face, and how many curves to find.
 
     Attributes
     ----------
+    shared_curve
+        One curve for all three channels instead of one for each. `joint` gives one in any case, but
+        of cameras whose channels the user has measured.
     detection_long_side
         [px] Faces are sought on a copy of the photo no longer than this.
     min_face_width
@@ -31,6 +34,7 @@ class FaceSettings:
         Quantiles of V in HSV outside of which skin pixels are ignored (the same, sec. 5.1).
     """
 
+    shared_curve: bool = False
     detection_long_side: int = 1280
     min_face_width: int = 60
     min_face_score: float = 0.7
@@ -89,14 +93,12 @@ class JointSettings(FaceSettings):
 class PublishedSettings(FaceSettings):
     """What the published estimators can be told; "eq." refers to Li, Lin, Zhou, Ikeuchi (2017).
 
-    `shared_curve` is for all of them, `monotonicity_weight` for `face`, `face-unshaded` and `edge`,
-    the others for the first two alone. What the other rivals use stands at the top of their files:
-    with other numbers they would be other methods than those that were measured.
+    `monotonicity_weight` is for `face`, `face-unshaded` and `edge`, the others for the first two
+    alone. What the other rivals use stands at the top of their files: with other numbers they would
+    be other methods than those that were measured.
 
     Attributes
     ----------
-    shared_curve
-        Estimate one curve for all three channels instead of one for each.
     chromaticity_threshold
         Neighbors closer than this in chromaticity (r, g) have equal albedo (eq. 27, tau_a).
     normal_threshold
@@ -116,7 +118,6 @@ class PublishedSettings(FaceSettings):
         A pigment with fewer pairs than this gives no evidence.
     """
 
-    shared_curve: bool = False
     chromaticity_threshold: float = 0.02
     normal_threshold: float = 5.0
     albedo_weight: float = 1.0

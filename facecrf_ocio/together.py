@@ -69,7 +69,8 @@ def calibrate_together(
     evidence = [gather(photo_given(photo), settings, model.networks) for photo in photos]
     if not evidence:
         raise SettingsError("no photos to calibrate together; give at least one")
-    estimate = conclude(evidence, prior, model)
+    shared = settings is not None and settings.shared_curve
+    estimate = conclude(evidence, prior, model, shared=shared)
     return Together(
         estimate,
         tuple(misfit(one, estimate, model) for one in evidence),

@@ -65,7 +65,7 @@ def done_before(source: Path, folder: Path, count: int, *, pool: bool) -> tuple[
                 manifest.finish(name, stamp, result, f"{number}")
     if pool:
         manifest.change("UPDATE photos SET taken = 0")
-        settle(manifest, digest, "auto", lambda *_: None)
+        settle(manifest, digest, Recipe(), lambda *_: None)
     manifest.close()
     command = [sys.executable, "-c", RUN, str(source), str(folder), "pool" if pool else "none"]
     told_count, seconds, memory = subprocess.run(

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from facecrf_ocio import Photo, calibrate, calibrate_together
 from facecrf_ocio.benchmark.camera_known import (
     known_cases,
     known_markdown,
@@ -15,6 +16,7 @@ from facecrf_ocio.benchmark.camera_known import (
 )
 from facecrf_ocio.benchmark.images import find_linear_images
 from facecrf_ocio.benchmark.responses import read_responses
+from facecrf_ocio.calibrate import SAME_CURVE
 from facecrf_ocio.cameras.known_cameras import (
     POINTS,
     KnownCamera,
@@ -32,6 +34,7 @@ from facecrf_ocio.joint.known_response import (
     share_beside,
 )
 from facecrf_ocio.joint.prior import Message, shipped_prior
+from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Verdict
 from facecrf_ocio.wording.sentence import sentence
 
@@ -174,6 +177,21 @@ def test_channels_are_alike_where_the_photo_contradicts_or_another_camera_is_nam
     ):
         found = conclude(photos, cameras=measured).curve
         assert np.array_equal(found.linear[0], found.linear[2])
+
+
+@pytest.mark.parametrize("shared", [False, True])
+def test_all_channels_share_a_curve_if_asked_for_whatever_was_measured(
+    tmp_path, monkeypatch, shared
+):
+    monkeypatch.setenv("FACECRF_CAMERAS", str(tmp_path / "mine.json"))
+    write_registry(tmp_path / "mine.json", [in_three_channels(2.0, 2.4, 2.8)], overwrite=False)
+    photo, settings = said(2.4, 0.5), Settings(shared_curve=shared)
+    monkeypatch.setattr("facecrf_ocio.together.gather", lambda *_: photo)
+    gray = Photo(np.full((8, 8, 3), 0.5, np.float32))
+    alone = calibrate(gray, settings=settings, evidence=photo)
+    assert (SAME_CURVE in alone.assumptions) == shared
+    for found in (alone, calibrate_together([gray, gray], settings=settings).estimate):
+        assert (found.curve.linear == found.curve.linear[0]).all() == shared
 
 
 def test_evidence_keeps_the_camera_s_name():

@@ -216,7 +216,7 @@ class _Run:
             self.tell(Event(name, result, fresh=False, step=REOPENED))
 
         job = self.job
-        settle(self.manifest, self.recipe_sha256, job.recipe.prior, reopened)
+        settle(self.manifest, self.recipe_sha256, job.recipe, reopened)
         like = Task(job.source, "", self.place, job.recipe, overwrite=job.overwrite)
         for task, result in waiting(self.manifest, like, self.recipe_sha256):
             if result is not None:

@@ -107,7 +107,8 @@ def estimation_options(command: Callable[..., Any]) -> Callable[..., Any]:
             "per_channel",
             default=None,
             help="One curve for each channel (default) or one for all three; "
-            f"{' and '.join(JOINT_NAMES)} give one for all, but of cameras that you have measured.",
+            f"{' and '.join(JOINT_NAMES)} give one for all, but of cameras that you have "
+            "measured, and with --shared of those too.",
         ),
         click.option("--overwrite", is_flag=True, help="Replace existing outputs."),
         click.option("-v", "--verbose", is_flag=True, help="Also tell what a curve rests on."),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -27,6 +28,8 @@ from facecrf_ocio.photo.shot import read_shot
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.together import MISFIT_LIMIT
 from facecrf_ocio.values import Estimate, Float, Outcome
+
+_Concluded = Callable[..., Estimate]  # `conclude`, told of the prior and the model
 
 FRAMES = 12  # more tell hardly more: their errors are alike
 CORRELATION = 0.95
@@ -154,8 +157,10 @@ def calibrate_clip(
         noise.extend([] if found is None else [found])
         return posterior if found is None else found
 
-    pooled = _of_frames(evidence, prior, model, besides)
-    alone = tuple(conclude([one], prior, model) for one in evidence)
+    shared = settings is not None and settings.shared_curve
+    concluded = partial(conclude, prior=prior, model=model, shared=shared)
+    pooled = _of_frames(concluded, evidence, besides)
+    alone = tuple(concluded([one]) for one in evidence)
     if points is None:
         drift, error = _drift([one.curve.linear[0] for one in alone])
     else:
@@ -165,7 +170,7 @@ def calibrate_clip(
     return ClipEstimate(
         pooled,
         tuple(one.index for one in chosen),
-        _shots(shots, _of_frames(evidence, prior, model), prior, model),
+        _shots(shots, _of_frames(concluded, evidence), concluded, model),
         drift,
         error,
         float(np.ptp(light)),
@@ -193,13 +198,12 @@ def _level(codes: Float, estimate: Estimate) -> float:
 
 
 def _of_frames(
+    concluded: _Concluded,
     evidence: Sequence[PhotoEvidence],
-    prior: str,
-    model: JointModel,
     besides: Callable[[Posterior], Posterior] | None = None,
 ) -> Estimate:
     """The curve of frames of one scene, in whose words photos are frames."""
-    pooled = conclude(evidence, prior, model, correlation=CORRELATION, besides=besides)
+    pooled = concluded(evidence, correlation=CORRELATION, besides=besides)
     reason = pooled.reason.replace("photos", "frames").replace("1 photo", "1 frame")
     return replace(pooled, reason=reason)
 
@@ -243,7 +247,10 @@ def _grouped(chosen: Sequence[ChosenFrame]) -> list[list[ChosenFrame]]:
 
 
 def _shots(
-    groups: Sequence[Sequence[ChosenFrame]], pooled: Estimate, prior: str, model: JointModel
+    groups: Sequence[Sequence[ChosenFrame]],
+    pooled: Estimate,
+    concluded: _Concluded,
+    model: JointModel,
 ) -> tuple[Shot, ...]:
     """Parts between cuts, each held against the curve that the faces of all of them give."""
     found = []
@@ -251,7 +258,7 @@ def _shots(
         off = float(np.mean([misfit(one.evidence, pooled, model) for one in group]))
         own = None
         if off > MISFIT_LIMIT and len(groups) > 1:
-            own = _of_frames([one.evidence for one in group], prior, model)
+            own = _of_frames(concluded, [one.evidence for one in group])
         found.append(Shot(tuple(one.index for one in group), own, off))
     return tuple(found)
 

@@ -104,6 +104,7 @@ def conclude(
     cameras: Sequence[KnownCamera] | None = None,
     correlation: float = PHOTO_CORRELATION,
     besides: Callable[[Posterior], Posterior] | None = None,
+    shared: bool = False,
 ) -> Estimate:
     """One curve from the evidence of one photo, or of several that one camera took.
 
@@ -124,6 +125,8 @@ def conclude(
         Of the errors of any two of the photos.
     besides
         Adds what is known besides the photos' own evidence.
+    shared
+        Whether channels stay alike where the user measured the camera's apart.
 
     Returns
     -------
@@ -132,22 +135,21 @@ def conclude(
     """
     model = model or shipped_joint()
     names = names or [f"photo {number + 1}" for number in range(len(evidence))]
-    telling = [e for e in evidence if e.messages]
-    called = [name for name, e in zip(names, evidence, strict=True) if e.messages]
+    named = {name: e for name, e in zip(names, evidence, strict=True) if e.messages}
+    telling = list(named.values())
     leanings = [(e.leaning, e.phone) for e in telling or evidence] or [(0.0, 0.0)]
     weights = model.prior.weights_for(prior, *np.mean(leanings, axis=0).tolist())
     known = known_responses((one.camera for one in telling), model.prior, cameras)
-    named = dict(zip(called, telling, strict=True))
     posterior, dissent = _fused(named, model.prior, weights, known, correlation)
     posterior = besides(posterior) if besides and telling else posterior
-    coefficients = posterior.mean
-    curve = strictly_increasing([model.prior.samples(coefficients)] * len(CHANNELS))
-    found = inverse_crf(model.prior.grid, curve)
+    alike = strictly_increasing([model.prior.samples(posterior.mean)] * len(CHANNELS))
+    found = inverse_crf(model.prior.grid, alike)
     confidence = _confidence(telling, posterior, found, model, dissent)
-    confidence = _with_cameras(confidence, known, dissent)
-    confidence = doubted(confidence, _doubts_of(named))
-    agreed = {one: what for one, what in known.items() if _measured(what) not in dissent}
-    found = in_channels(found, agreed, (one.camera for one in telling), model.prior)
+    confidence = doubted(_with_cameras(confidence, known, dissent), _doubts_of(named))
+    if not shared:
+        agreed = {one: what for one, what in known.items() if _measured(what) not in dissent}
+        found = in_channels(found, agreed, (one.camera for one in telling), model.prior)
+    coefficients = np.tile(posterior.mean, (len(CHANNELS), 1))
     if not telling:
         none = PhotoEvidence({}, np.empty(0), lacking="no photo given")
         first = evidence[0] if evidence else none
@@ -158,7 +160,7 @@ def conclude(
             first.remedy,
             found=found,
             confidence=confidence,
-            coefficients=np.tile(coefficients, (len(CHANNELS), 1)),
+            coefficients=coefficients,
         )
     faces = tuple(e.face for e in telling if e.face is not None)
     cues = sorted({_NAMES.get(c, c) for e in telling for c in e.messages if c != COMBINED})
@@ -168,7 +170,7 @@ def conclude(
         f"{counted(len(telling), 'photo')}, {counted(len(cues), 'cue')}: {', '.join(cues)}",
         found=found,
         confidence=confidence,
-        coefficients=np.tile(coefficients, (len(CHANNELS), 1)),
+        coefficients=coefficients,
         faces=faces,
     )
 

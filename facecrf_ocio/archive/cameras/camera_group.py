@@ -50,7 +50,9 @@ class CameraCurve:
     sha256: str
 
 
-def conclude_camera(manifest: Manifest, key: str, recipe_sha256: str, prior: str) -> CameraCurve:
+def conclude_camera(
+    manifest: Manifest, key: str, recipe_sha256: str, prior: str, *, shared: bool = False
+) -> CameraCurve:
     """One curve from the evidence of a camera's photos, each content counted once."""
     chosen = []
     for name in different_photos(manifest, key, recipe_sha256):
@@ -63,7 +65,7 @@ def conclude_camera(manifest: Manifest, key: str, recipe_sha256: str, prior: str
         return CameraCurve(None, 0, "")
     chosen.sort(key=lambda item: item[0])
     names = [as_utf8(name) for name, _ in chosen]
-    estimate = conclude([evidence for _, evidence in chosen], prior, names=names)
+    estimate = conclude([evidence for _, evidence in chosen], prior, names=names, shared=shared)
     estimate = replace(estimate, faces=())
     return CameraCurve(estimate, len(chosen), estimate_sha256(estimate))
 

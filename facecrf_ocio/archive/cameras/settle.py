@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 from facecrf_ocio.archive.cameras.bracket import Exposure, find_brackets
 from facecrf_ocio.archive.cameras.camera_group import (
@@ -39,7 +40,7 @@ from facecrf_ocio.archive.manifest.camera_rows import (
 from facecrf_ocio.archive.manifest.damage import understanding
 from facecrf_ocio.archive.manifest.database import DONE, GATHERED, Manifest
 from facecrf_ocio.archive.manifest.keys import key_of
-from facecrf_ocio.archive.task import Result
+from facecrf_ocio.archive.task import Recipe, Result
 from facecrf_ocio.joint import misfit
 from facecrf_ocio.pair.bracket_curve import rmse_after_scale
 from facecrf_ocio.together import MISFIT_LIMIT
@@ -47,7 +48,7 @@ from facecrf_ocio.together import MISFIT_LIMIT
 Reopened = Callable[[str, Result], None]
 
 
-def settle(manifest: Manifest, recipe_sha256: str, prior: str, reopened: Reopened) -> None:
+def settle(manifest: Manifest, recipe_sha256: str, recipe: Recipe, reopened: Reopened) -> None:
     """Conclude the curve of every camera whose photos changed.
 
     Parameters
@@ -56,25 +57,31 @@ def settle(manifest: Manifest, recipe_sha256: str, prior: str, reopened: Reopene
         Its photos of this recipe have all been looked at.
     recipe_sha256
         Hash of it.
-    prior
-        As for `calibrate`.
+    recipe
+        What it says of the prior, and of channels.
     reopened
         Called with the name and the former result of a photo that was done and must be written
         again.
     """
+    shared = recipe.settings.shared_curve
+    conclude = partial(conclude_camera, prior=recipe.prior, shared=shared)
     for key in camera_keys(manifest, recipe_sha256):
         with understanding(manifest.path):
-            _settle_camera(manifest, key, recipe_sha256, prior, reopened)
+            _settle_camera(manifest, key, recipe_sha256, reopened, conclude)
     forget_empty_cameras(manifest)
 
 
 def _settle_camera(
-    manifest: Manifest, key: str, recipe_sha256: str, prior: str, reopened: Reopened
+    manifest: Manifest,
+    key: str,
+    recipe_sha256: str,
+    reopened: Reopened,
+    conclude: Callable[[Manifest, str, str], CameraCurve],
 ) -> None:
     basis, count, alone = _basis(manifest, key, recipe_sha256)
     former, digest = former_curve(manifest, key)
     if former != basis or has_unassigned(manifest, key, recipe_sha256):
-        curve = conclude_camera(manifest, key, recipe_sha256, prior)
+        curve = conclude(manifest, key, recipe_sha256)
         with manifest.transaction():
             camera = _Camera(manifest, key, recipe_sha256, curve, alone, digest, reopened)
             camera.record(basis, count)

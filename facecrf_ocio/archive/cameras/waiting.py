@@ -82,8 +82,11 @@ class Desk:
         return replace(task, gathered=gathered), None
 
     def _conclude(self) -> Estimate | None:
-        prior = self.like.recipe.prior
-        return conclude_camera(self.manifest, self.key, self.digest, prior).estimate
+        recipe = self.like.recipe
+        shared = recipe.settings.shared_curve
+        return conclude_camera(
+            self.manifest, self.key, self.digest, recipe.prior, shared=shared
+        ).estimate
 
     def _solve(self, bracket: str) -> Estimate:
         members = tuple(exposures(self.manifest, self.key, self.digest, bracket))

@@ -27,7 +27,7 @@ from facecrf_ocio.archive.task import (
     Timing,
 )
 from facecrf_ocio.archive.thumbnail import thumbnail_of
-from facecrf_ocio.calibrate import SAME_CURVE, assumptions_of, calibrate
+from facecrf_ocio.calibrate import assumed, calibrate
 from facecrf_ocio.cameras.known_cameras import own_cameras_are
 from facecrf_ocio.errors import (
     OVERWRITE,
@@ -167,7 +167,7 @@ def _found(task: Task, photo: Photo) -> Estimate:
         )
     if task.estimate.assumptions:
         return task.estimate
-    return replace(task.estimate, assumptions=(*assumptions_of(photo), SAME_CURVE))
+    return assumed(task.estimate, photo)
 
 
 def _camera(photo: Photo) -> tuple[str, str, str, str]:
