@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from facecrf_ocio.joint.grain import NoiseTable, measure_noise, noise_curve
-from facecrf_ocio.joint.noise_counts import LEVELS, RESIDUES, count_noise
+from facecrf_ocio.joint.noise_counts import count_noise
+from facecrf_ocio.joint.second_differences import LEVELS, RESIDUES
 
 FULL_WELL = 4000.0
 MIDDLES = (np.arange(LEVELS) + 0.5) / LEVELS

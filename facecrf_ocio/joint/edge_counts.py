@@ -18,7 +18,7 @@ _FLAT = 0.15  # of that, which the sides themselves may rise by
 _RUN = 7  # samples across an edge: both sides, three between them, and one beyond each side
 
 
-def count_edges(plane: npt.NDArray[np.uint8] | npt.NDArray[np.uint16], white: int) -> Float:
+def count_edges(plane: npt.NDArray[np.uint8] | npt.NDArray[np.int16], white: int) -> Float:
     """(8, 8, 3) as one size of `NoiseCounts.edges`: steps within four pixels, flat on both sides.
 
     In linear light a blur is as far from one side as from the other, so the mean of an edge's
@@ -34,7 +34,7 @@ def count_edges(plane: npt.NDArray[np.uint8] | npt.NDArray[np.uint16], white: in
     step = np.diff(run, axis=0) / (run[5] - run[1])
     steady = step[1:5].min(axis=0) >= 0.0
     steady &= (np.abs(step[0]) <= _FLAT) & (np.abs(step[5]) <= _FLAT)
-    run = run[:, steady]
+    run = run.compress(steady, axis=1)
     low, high = np.minimum(run[1], run[5]), np.maximum(run[1], run[5])
     middle = ((run[2] + run[3] + run[4]) / 3.0 - low) / (high - low)
     unit = np.float32((_WHITE + 1) / EDGE_LEVELS)
@@ -47,7 +47,7 @@ def count_edges(plane: npt.NDArray[np.uint8] | npt.NDArray[np.uint16], white: in
 
 
 def _runs(
-    plane: npt.NDArray[np.uint8] | npt.NDArray[np.uint16], parts: int
+    plane: npt.NDArray[np.uint8] | npt.NDArray[np.int16], parts: int
 ) -> npt.NDArray[np.float32]:
     """(7, N) codes down a plane whose second and last but one differ enough for an edge."""
     rise = np.asarray(cv2.absdiff(plane[5:-1], plane[1:-5]))

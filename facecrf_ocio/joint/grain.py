@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from facecrf_ocio.joint.noise_counts import LEVELS, ROUNDING, NoiseCounts, quantile
+from facecrf_ocio.joint.noise_counts import ROUNDING, NoiseCounts, quantile
+from facecrf_ocio.joint.second_differences import LEVELS
 from facecrf_ocio.values import Float, frozen
 
 # Texture reaches the upper quantiles of a second difference first.

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from functools import cache, partial
 from typing import Any
 
 import cv2
@@ -16,6 +15,17 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.joint.edge_counts import EDGE_LEVELS, count_edges
+from facecrf_ocio.joint.second_differences import (
+    LAGS,
+    LARGEST,
+    LEVELS,
+    NARROWEST,
+    RESIDUES,
+    Plane,
+    SecondDifferences,
+    counts_of,
+    halved,
+)
 from facecrf_ocio.joint.soft_edges import (
     CHANNEL_PAIRS,
     SOFT_LEVELS,
@@ -23,39 +33,20 @@ from facecrf_ocio.joint.soft_edges import (
     count_soft_edges,
 )
 from facecrf_ocio.photo.pixels import Pixels, eight_bit
-from facecrf_ocio.values import CHANNELS, Float, frozen
+from facecrf_ocio.values import CHANNELS, Bool, Float, frozen
 
-LEVELS = 24  # of 10.6 codes each; chosen by judgment, and trained with
 SIZES = 3
 """As stored, at half the size, and at a quarter of it."""
-SECOND_DIFFERENCE = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32)
-"""In both directions: of independent noise it has six times the deviation."""
 ROUNDING = 0.25
 """Added to a deviation before its logarithm: where 8 bits show none, there is still rounding."""
-RESIDUES = np.array(
-    [
-        *range(13),
-        *(14, 16, 18, 20, 22, 25, 28, 31, 35, 39, 44, 49, 55, 62, 70, 79, 89, 100, 113, 127, 143),
-        *(161, 182, 205, 231, 260, 293, 330, 372, 419, 472, 532, 599, 675, 760, 856, 1021),
-    ]
-)
-"""Smallest second difference of each bin, in 8-bit codes; by an eighth apart from twelve on."""
-# [px] down and right, by distance: 1, its diagonal, 2; a mosaic has a period of two.
-LAGS = ((0, 1), (1, 0)), ((1, 1),), ((0, 2), (2, 0))
 BLOCK = 8  # [px] side of a JPEG's blocks
 
 _GREEN = 1  # index of the channel that a mosaic samples most densely
 _WHITE = 255  # [code value] of 8 bits
-_NEIGHBORS = np.ones((3, 3), np.uint8)  # a pixel and those whose second difference it is
-_NARROWEST = 3  # [px] the side of a second difference
-_LARGEST = 1023  # second differences of larger size count in the last bin
 _EDGE_SIZES = 2  # as stored and at half of it; chosen by judgment, and trained with
 _MOST_DIFFERENCE = 32  # codes: what counts of a difference for blocks, lest edges outweigh all
 
 Codes = npt.NDArray[np.uint8]
-Bool = npt.NDArray[np.bool_]
-Signs = npt.NDArray[np.int8]
-Plane = npt.NDArray[np.uint8] | npt.NDArray[np.uint16]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,9 +109,13 @@ def count_noise(
     """
     total = _Sums.zeros()
     for number, window in enumerate(windows):
+        mask = None if masks is None else masks[number]
+        if weights is None:
+            total.count(eight_bit(window), mask)
+            continue
         own = _Sums.zeros()
-        own.count(eight_bit(window), None if masks is None else masks[number])
-        total.add(own, 1.0 if weights is None else weights[number])
+        own.count(eight_bit(window), mask)
+        total.add(own, weights[number])
     return NoiseCounts(*(getattr(total, item.name) for item in fields(total)))
 
 
@@ -130,7 +125,7 @@ def quantile(counts: Float, share: float) -> Float:
     Rounding to 8 bits leaves few distinct numbers, whose plain quantile would jump: a number counts
     for half a unit on either side.
     """
-    edges = np.append(np.maximum(RESIDUES - 0.5, 0.0), _LARGEST + 0.5)
+    edges = np.append(np.maximum(RESIDUES - 0.5, 0.0), LARGEST + 0.5)
     below = np.cumsum(counts, axis=-1)
     total = below[..., -1:]
     wanted = share * total
@@ -172,115 +167,32 @@ class _Sums:
             total += weight * getattr(other, item.name)
 
     def count(self, codes: Codes, mask: Bool | None) -> None:
-        channels: Sequence[Plane] = [np.asarray(c, np.uint8) for c in cv2.split(codes)]
+        planes: Any = cv2.split(codes)
+        channels: Plane = np.array(planes)
         for c, channel in enumerate(channels):
-            self.codes[c] += _counts(channel, _WHITE + 1)
+            self.codes[c] += counts_of(np.asarray(channel, np.uint8), _WHITE + 1)
         self.blocks += _block_sums(np.asarray(channels[_GREEN], np.uint8))
         soft = count_soft_edges(codes)
         self.soft_edges += soft.middles
         self.color_lines += soft.lines
         for size in range(SIZES):
             if size:
-                channels = [_halved(channel) for channel in channels]
+                channels = halved(channels)
                 mask = None if mask is None else mask[1::2, 1::2]
-            if min(channels[0].shape) < _NARROWEST:
+            if min(channels.shape[1:]) < NARROWEST:
                 return
             self._count_size(channels, size, mask)
 
-    def _count_size(self, channels: Sequence[Plane], size: int, mask: Bool | None) -> None:
+    def _count_size(self, channels: Plane, size: int, mask: Bool | None) -> None:
         white = _WHITE * 4**size
-        planes = [_differences(channel, white, mask) for channel in channels]
-        for channel, plane in enumerate(planes):
-            self.histograms[size, channel] += _histogram(plane, size)
-        signs, level = [plane.signs() for plane in planes], planes[_GREEN].level
-        for number, (one, other) in enumerate(CHANNEL_PAIRS):
-            self.pairs[size, number] += _agreements(signs[one], signs[other], level)
+        found = SecondDifferences.of(channels, white, mask)
+        self.histograms[size] += found.histograms(size)
+        signs = found.signs()
+        self.pairs[size] += found.pairs(signs)
         if size < _EDGE_SIZES:
             self.edges[size] += count_edges(channels[_GREEN], white)
         if size == 0:
-            self.lags += _lag_agreements(signs[_GREEN], level)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Differences:
-    """Of each pixel inside a plane; `counted` is False where black or white is near."""
-
-    residue: npt.NDArray[np.int32]
-    level: Codes
-    counted: Bool
-
-    def signs(self) -> Signs:
-        """Sign of each residue, 0 where it is 0 or not counted."""
-        return np.sign(self.residue, dtype=np.int32).astype(np.int8) * self.counted
-
-
-def _halved(plane: Plane) -> npt.NDArray[np.uint16]:
-    """Sums of two by two pixels: the means of four times their values."""
-    height, width = plane.shape[0] // 2, plane.shape[1] // 2
-    if not height or not width:
-        return np.zeros((0, 0), np.uint16)
-    whole = plane[: 2 * height, : 2 * width].astype(np.uint16) * np.uint16(4)
-    return np.asarray(cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA), np.uint16)
-
-
-def _differences(plane: Plane, white: int, mask: Bool | None) -> _Differences:
-    inside = slice(1, -1), slice(1, -1)
-    sums = cv2.boxFilter(plane, cv2.CV_32F, (3, 3), normalize=False)[inside]
-    # OpenCV has no filter from 16 bits to signed 16 bits.
-    depth = cv2.CV_16S if plane.dtype == np.uint8 else cv2.CV_32F
-    residue = cv2.filter2D(plane, depth, SECOND_DIFFERENCE)[inside].astype(np.int32)
-    between = cv2.inRange(plane, np.array([1.0]), np.array([white - 1.0]))
-    counted = cv2.erode(between, _NEIGHBORS)[inside] > 0
-    if mask is not None:
-        counted &= mask[: plane.shape[0], : plane.shape[1]][inside]
-    level = (sums * np.float32(LEVELS / (9 * white + 1))).astype(np.uint8)
-    return _Differences(residue, level, counted)
-
-
-@cache
-def _bin_of_residue() -> npt.NDArray[np.uint16]:
-    """Bin of each second difference up to the largest."""
-    return (np.searchsorted(RESIDUES, np.arange(_LARGEST + 1), side="right") - 1).astype(np.uint16)
-
-
-def _histogram(differences: _Differences, size: int) -> Float:
-    """(L, R) counted pixels by level and absolute second difference over 2**size."""
-    sizes = np.minimum(np.abs(differences.residue) >> size, _LARGEST)
-    cells = differences.level * np.uint16(RESIDUES.size) + _bin_of_residue()[sizes]
-    cells[~differences.counted] = LEVELS * RESIDUES.size
-    return _counts(cells, LEVELS * RESIDUES.size + 1)[:-1].reshape(LEVELS, -1)
-
-
-def _counts(cells: Plane, number: int) -> Float:
-    """(number,) how often each is there; OpenCV counts integers some times as fast as NumPy."""
-    whole: Any = np.ascontiguousarray(cells)
-    found = cv2.calcHist([whole], [0], None, [number], [0, number])
-    return np.asarray(found.ravel(), np.float64)
-
-
-def _agreements(one: Signs, other: Signs, level: Codes) -> Float:
-    """(2, L) pixels where both have the same sign, and where they have opposite ones."""
-    cells = (one * other + np.int8(1)).view(np.uint8) * np.uint8(LEVELS) + level
-    opposite, _, same = _counts(cells, 3 * LEVELS).reshape(3, LEVELS)
-    return np.stack([same, opposite])
-
-
-def _lag_agreements(signs: Signs, level: Codes) -> Float:
-    """(3, 2, L) as `NoiseCounts.lags`."""
-    # One row after another, with neighbors of sign 0 beyond the last column and row: a lag is a
-    # shift of one line of numbers then, and no neighbor lies in the next row.
-    most = max(step for lags in LAGS for lag in lags for step in lag)
-    height, width = signs.shape
-    wide, pairs = width + most, (height + most) * (width + most) - most * (width + most + 1)
-    around: Any = partial(cv2.copyMakeBorder, borderType=cv2.BORDER_CONSTANT)
-    line, levels = (around(part, 0, most, 0, most).ravel() for part in (signs, level))
-    found = np.zeros((len(LAGS), 2, LEVELS))
-    for number, lags in enumerate(LAGS):
-        for down, right in lags:
-            shift = down * wide + right
-            there = line[shift : shift + pairs]
-            found[number] += _agreements(line[:pairs], there, levels[:pairs])
-    return found
+            self.lags += found.lags(signs)
 
 
 def _block_sums(green: Codes) -> Float:
@@ -289,7 +201,7 @@ def _block_sums(green: Codes) -> Float:
     for axis, (one, other) in enumerate(
         ((green[1:], green[:-1]), (green[:, 1:], green[:, :-1])),
     ):
-        if green.shape[axis] < _NARROWEST:
+        if green.shape[axis] < NARROWEST:
             continue
         step = np.minimum(cv2.absdiff(one, other), np.uint8(_MOST_DIFFERENCE))
         sums = cv2.reduce(step, 1 - axis, cv2.REDUCE_SUM, dtype=cv2.CV_32S).ravel()

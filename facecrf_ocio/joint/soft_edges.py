@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 import cv2
@@ -26,14 +27,20 @@ SOFT_SIZES = (1, 2, 4, 8)
 CHANNEL_PAIRS = ((0, 1), (1, 2), (0, 2))
 """Each once."""
 _FAINTEST = 14  # codes between both sides
-_LEAST, _MOST = 0.04, 0.45  # of the rise, in each of its four steps: monotone, and not at once
-_FLAT = 0.2  # of the rise, by which the sides themselves may rise
+_LEAST, _MOST = (
+    Fraction(1, 25),
+    Fraction(9, 20),
+)  # of the rise, in each of its four steps: monotone, and not at once
+_FLAT = Fraction(1, 5)  # of the rise, by which the sides themselves may rise
 _BLACK, _WHITE = 0.5, 254.5  # [code value] below and from which a pixel is clipped
 _LEVEL = 256 // SOFT_LEVELS  # codes
 _APART = 2  # columns, of the finest size alone: neighbors see the same edge, and cost the most
+# Share of all places with rises from which on all are looked at, which takes less time a place.
+_MANY = 0.1
 _RUN = 7  # samples across an edge: both sides, three between them, and one beyond each side
 
-Image = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
+# Code values, times the pixels that a sample is the mean of: integers of 16 or 32 bits.
+Image = npt.NDArray[Any]
 Plane = npt.NDArray[np.float32]
 Places = npt.NDArray[np.intp]
 
@@ -60,52 +67,50 @@ class SoftEdges:
 
 def count_soft_edges(codes: npt.NDArray[np.uint8]) -> SoftEdges:
     """Soft edges down and across a window (H, W, 3) of 8-bit codes."""
-    image: Image = codes
+    split: Any = cv2.split(codes)
+    channels: Image = np.array(split, np.int16)
     found: list[tuple[int, _Edges]] = []
     for number, size in enumerate(SOFT_SIZES):
         if size > 1:
-            image = _halved(image)
-        if not image.size:
+            channels = _summed(channels)
+        if not channels.size:
             break
-        stacks = _stacks(image, _APART if size == 1 else 1)
-        found += [(number, _Edges.along(stack)) for stack in stacks]
+        stacks = _stacks(channels, _APART if size == 1 else 1)
+        found += [(number, _Edges.along(stack, size**2)) for stack in stacks]
     middles = np.zeros((len(SOFT_SIZES), SOFT_LEVELS, SOFT_LEVELS, 3))
     lines = np.zeros((len(SOFT_SIZES), SOFT_LEVELS, SOFT_LEVELS + 3))
     if found:
         _count_middles(*_of_all([(number, edges.run) for number, edges in found]), middles)
-        _count_lines(*_of_all([(number, edges.in_both()) for number, edges in found]), lines)
+        in_both = [(number, edges.in_both(SOFT_SIZES[number] ** 2)) for number, edges in found]
+        _count_lines(*_of_all(in_both), lines)
     return SoftEdges(middles, lines)
 
 
 def _of_all(found: Sequence[tuple[int, Plane]]) -> tuple[Plane, Places]:
-    """(7, N, ...) runs of several sizes, and (N,) the size that each is of."""
-    numbers = [np.full(runs.shape[1], number) for number, runs in found]
-    return np.concatenate([runs for _, runs in found], axis=1), np.concatenate(numbers)
+    """(7, ..., N) runs of several sizes, and (N,) the size that each is of."""
+    numbers = [np.full(runs.shape[-1], number) for number, runs in found]
+    return np.concatenate([runs for _, runs in found], axis=-1), np.concatenate(numbers)
 
 
-def _halved(image: Image) -> Image:
-    """Means of two by two pixels, exact: of 64 codes they have no more bits than a float."""
-    height, width = image.shape[0] // 2, image.shape[1] // 2
-    if not height or not width:
-        return np.zeros((height, width, 3), np.float32)
-    whole = image[: 2 * height, : 2 * width].astype(np.float32)
-    return np.asarray(cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA), np.float32)
+def _summed(channels: Image) -> Image:
+    """Sums of two by two pixels of (3, H, W)."""
+    height, width = channels.shape[1] // 2, channels.shape[2] // 2
+    whole = channels[:, : 2 * height, : 2 * width].astype(np.int32)
+    rows = whole[:, ::2] + whole[:, 1::2]
+    return rows[..., ::2] + rows[..., 1::2]
 
 
-def _stacks(image: Image, step: int) -> Iterator[Image]:
+def _stacks(channels: Image, step: int) -> Iterator[Image]:
     """(H, T, 3, W) planes to be searched from top to bottom, every `step`-th column of each.
 
     As few stacks as there are heights: planes of T turns and three channels are searched at once,
     since most of the time goes by the call.
     """
-    split: Any = cv2.split(image)
-    channels: list[Any] = list(split)
-    turns = channels, [cv2.transpose(channel) for channel in channels]
-    height, width = channels[0].shape
+    turns = channels.transpose(1, 0, 2), channels.transpose(2, 0, 1)
+    height, width = channels.shape[1:]
     for part in [turns] if height == width else [(turn,) for turn in turns]:
-        if len(part[0][0]) >= _RUN:
-            planes = [np.stack([plane[:, ::step] for plane in turn], axis=1) for turn in part]
-            yield np.stack(planes, axis=1)
+        if len(part[0]) >= _RUN:
+            yield np.stack([turn[..., ::step] for turn in part], axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,7 +124,7 @@ class _Edges:
     places
         (N,) index of the first sample of each into the stack's pixels; ascending.
     run
-        (7, N) samples.
+        (7, N) samples, in code values.
     """
 
     stack: Image
@@ -127,39 +132,74 @@ class _Edges:
     run: Plane
 
     @classmethod
-    def along(cls, stack: Image) -> _Edges:
+    def along(cls, stack: Image, unit: int) -> _Edges:
         """All of a stack."""
-        rises = cv2.absdiff(*(part.reshape(len(part), -1) for part in (stack[5:-1], stack[1:-5])))
-        places = np.flatnonzero(np.asarray(rises) >= _FAINTEST)
-        # Most fail here, before the samples beyond both sides are looked at.
-        inner = _samples(stack, places, slice(1, 6))
-        step = np.diff(inner, axis=0) / (inner[4] - inner[0])
-        places = places[(step.min(axis=0) >= _LEAST) & (step.max(axis=0) <= _MOST)]
-        run = _samples(stack, places, slice(0, _RUN))
-        rise = np.abs(run[5] - run[1])
-        soft = (np.abs(run[1] - run[0]) / rise <= _FLAT) & (np.abs(run[6] - run[5]) / rise <= _FLAT)
-        soft &= run.max(axis=0) < _WHITE
-        return cls(stack, places[soft], run[:, soft])
+        rise = stack[5:-1] - stack[1:-5]
+        far = np.abs(rise) >= _FAINTEST * unit
+        if np.count_nonzero(far) < _MANY * far.size:
+            places = np.flatnonzero(far)
+            run = _samples(stack, places)
+            places = places[_is_soft(np.diff(run, axis=0), rise.ravel()[places])]
+        else:
+            step = stack[1:] - stack[:-1]
+            last = len(step) - len(rise)
+            far &= _is_soft([step[k : len(step) - last + k] for k in range(last + 1)], rise)
+            places = np.flatnonzero(far)
+        run = _samples(stack, places)
+        bright = run.max(axis=0) < _WHITE * unit
+        places, run = places[bright], run.compress(bright, axis=1)
+        return cls(stack, places, _in_codes(run, unit))
 
-    def in_both(self) -> Plane:
-        """(7, N, 2) samples of the edges that two channels show at the same place."""
-        _, turns, _, width = self.stack.shape
-        there = np.zeros((len(self.stack) * turns, 3, width), bool)
-        there.ravel()[self.places] = True
+    def in_both(self, unit: int) -> Plane:
+        """(7, 2, N) samples of the edges that two channels show at the same place."""
+        there = np.zeros(self.stack.size, bool)
+        there[self.places] = True
+        width = self.stack.shape[-1]
+        channel = self.places // width % 3
         pairs = []
         for one, other in CHANNEL_PAIRS:
-            places = np.flatnonzero(there[:, one] & there[:, other])
-            row, column = np.divmod(places, width)
-            first = row * (3 * width) + column
-            pairs.append(np.stack([first + one * width, first + other * width], axis=-1))
-        return _samples(self.stack, np.concatenate(pairs), slice(0, _RUN))
+            first = self.places[channel == one]
+            second = first + (other - one) * width
+            pairs.append(np.stack([first, second]).compress(there[second], axis=-1))
+        return _in_codes(_samples(self.stack, np.concatenate(pairs, axis=-1)), unit)
 
 
-def _samples(stack: Image, places: Places, rows: slice) -> Plane:
-    """(R, ...) the samples of some rows below each place, from its own on."""
-    below = np.arange(rows.start, rows.stop) * stack[0].size
-    found = stack.ravel().take(places + below.reshape(-1, *(1 for _ in places.shape)))
-    return np.asarray(found, np.float32)
+def _is_soft(step: Sequence[Image] | Image, rise: Image) -> npt.NDArray[np.bool_]:
+    """Where seven samples rise or fall steadily between their sides, and hardly beyond these.
+
+    In integers, since the shares of a rise are ratios of small ones.
+
+    Parameters
+    ----------
+    step
+        (6, ...) from each sample to the next.
+    rise
+        (...) from the second sample to the last but one, not 0.
+    """
+    inner = step[1:5]
+    least, most = (
+        limit(limit(inner[0], inner[1]), limit(inner[2], inner[3]))
+        for limit in (np.minimum, np.maximum)
+    )
+    # Of what falls, the same with its sign turned. What does neither has a step of at most 0.
+    least, most = np.maximum(least, -most), np.maximum(most, -least)
+    rise = np.abs(rise)
+    found = least * _LEAST.denominator >= rise * _LEAST.numerator
+    found &= most * _MOST.denominator <= rise * _MOST.numerator
+    for beyond in (step[0], step[5]):
+        found &= np.abs(beyond) * _FLAT.denominator <= rise * _FLAT.numerator
+    return np.asarray(found)
+
+
+def _samples(stack: Image, places: Places) -> Image:
+    """(7, ...) the samples below each place, from its own on."""
+    below = np.arange(_RUN) * stack[0].size
+    places = places + below.reshape(-1, *(1 for _ in places.shape))
+    return np.asarray(stack.ravel().take(places))
+
+
+def _in_codes(samples: Image, unit: int) -> Plane:
+    return np.asarray(samples.astype(np.float32) / np.float32(unit))
 
 
 def _count_middles(run: Plane, size: Places, found: Float) -> None:
@@ -172,24 +212,25 @@ def _count_middles(run: Plane, size: Places, found: Float) -> None:
 
 
 def _count_lines(runs: Plane, size: Places, found: Float) -> None:
-    """Add edges (7, N, 2) in two channels to the normal equations (4, 8, 11).
+    """Add edges (7, 2, N) in two channels to the normal equations (4, 8, 11).
 
     Where light has the share b of the rise r from one side to the other, its code has
     b + b (1 - b) r k / 2 of it, to second order, for k = g'' / g' at the codes between. b is the
     same in all channels, and what the codes' shares differ by is linear in k.
     """
-    unclipped = runs.min(axis=(0, 2)) > _BLACK
-    runs, size = runs[:, unclipped], size[unclipped]
+    unclipped = runs.min(axis=(0, 1)) > _BLACK
+    # By an index, runs would lie one after the other, and the rest take twice as long.
+    runs, size = runs.compress(unclipped, axis=-1), size[unclipped]
     rise = runs[5] - runs[1]
     shares = (runs[2:5] - runs[1]) / rise
-    common = 0.5 * (shares[..., 0] + shares[..., 1])
+    common = 0.5 * (shares[:, 0] + shares[:, 1])
     blend = (common * (1.0 - common)).sum(axis=0) / 6.0
     level = _level(0.5 * (runs[1] + runs[5]))
-    apart = ((shares[..., 0] - shares[..., 1]).sum(axis=0) / 3.0)[:, None]
-    x = np.stack([blend, -blend], axis=1) * rise / 255.0
-    row = size[:, None] * SOFT_LEVELS + level
-    cells = row[:, :, None] * SOFT_LEVELS + level[:, None, :]
-    _add(found[..., :SOFT_LEVELS], cells, x[:, :, None] * x[:, None, :])
+    apart = (shares[:, 0] - shares[:, 1]).sum(axis=0) / 3.0
+    x = np.stack([blend, -blend]) * rise / 255.0
+    row = size * SOFT_LEVELS + level
+    cells = row[:, None] * SOFT_LEVELS + level
+    _add(found[..., :SOFT_LEVELS], cells, x[:, None] * x)
     for column, weights in enumerate((x * apart, None, np.broadcast_to(apart**2, x.shape))):
         _add(found[..., SOFT_LEVELS + column], row, weights)
 

@@ -23,7 +23,8 @@ from facecrf_ocio.face.view import MIN_SKIN_PIXELS, FaceView
 from facecrf_ocio.joint.color_lines import bend_profile
 from facecrf_ocio.joint.edges import edge_profile, soft_edge_profile
 from facecrf_ocio.joint.grain import measure_noise, noise_curve
-from facecrf_ocio.joint.noise_counts import LEVELS, NoiseCounts, count_noise
+from facecrf_ocio.joint.noise_counts import NoiseCounts, count_noise
+from facecrf_ocio.joint.second_differences import LEVELS
 from facecrf_ocio.joint.texture import noise_character
 from facecrf_ocio.joint.windows import Window, face_windows, photo_windows
 from facecrf_ocio.photo.pixels import Pixels

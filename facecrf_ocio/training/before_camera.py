@@ -14,7 +14,7 @@ import OpenImageIO
 
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.face.detect import find_faces
-from facecrf_ocio.joint.noise_counts import SECOND_DIFFERENCE
+from facecrf_ocio.joint.second_differences import SECOND_DIFFERENCE
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import dorf_model
@@ -98,7 +98,7 @@ def _denoised(linear: Light) -> Light:
     planes = []
     for plane in cv2.split(codes):
         values = plane.astype(np.float32)
-        second = cv2.filter2D(values, -1, SECOND_DIFFERENCE)
+        second = cv2.sepFilter2D(values, -1, SECOND_DIFFERENCE, SECOND_DIFFERENCE)
         noise = float(np.median(np.abs(second))) * 1.4826 / 6.0
         planes.append(cv2.fastNlMeansDenoising(plane, [1.1 * noise], None, 5, 15, cv2.NORM_L1))
     return np.asarray((cv2.merge(planes).astype(np.float32) / 65535.0) ** 2, np.float32)
