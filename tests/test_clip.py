@@ -241,6 +241,35 @@ class TestBadInput:
         assert clip.notes[0].startswith("it is cut short: its header tells 1.0 s and 0.")
         assert next(clip.read([len(clip.times) - 1])).shape[:2] == (48, 64)
 
+    def test_a_transport_stream_that_is_cut_short_ends_within_a_packet(self, tmp_path):
+        noise = np.random.default_rng(0).random((16, 48, 64, 3)).astype(np.float32)
+        whole = write_video(tmp_path / "a.ts", list(noise))
+        assert open_clip(whole).notes == ()
+        data = whole.read_bytes()
+        (tmp_path / "b.ts").write_bytes(data[: 188 * (len(data) // 376) + 37])
+        clip = open_clip(tmp_path / "b.ts")
+        assert [note.partition(";")[0] for note in clip.notes] == [
+            "it is cut short: it ends within a packet"
+        ]
+        assert next(clip.read([len(clip.times) - 1])).shape[:2] == (48, 64)
+
+    def test_an_mp4_that_is_cut_short_has_lost_its_index(self, tmp_path):
+        data = write_video(tmp_path / "a.mp4", [RAMP] * 4).read_bytes()
+        (tmp_path / "b.mp4").write_bytes(data[: len(data) // 2])
+        said = self.told(tmp_path / "b.mp4")
+        assert "cut short or damaged; MP4 and MOV have their index at the end; copy it ag" in said
+
+    def test_the_place_of_a_damaged_frame_is_taken_by_the_next(self, tmp_path):
+        steps = [np.full_like(RAMP, level) for level in np.linspace(0.2, 0.8, 12)]
+        grain = np.random.default_rng(0).normal(0.0, 0.05, RAMP.shape)
+        path = write_video(tmp_path / "a.mp4", [step + grain for step in steps])
+        data = bytearray(path.read_bytes())
+        media = data.index(b"mdat")
+        middle = media + (data.index(b"moov") - media) // 2
+        data[middle : middle + 3000] = bytes(3000)
+        path.write_bytes(data)
+        assert len(list(open_clip(path).read(range(12)))) == 12
+
     def test_sound_without_pictures(self, tmp_path):
         av = pytest.importorskip("av")
         with av.open(str(tmp_path / "a.mp4"), "w") as container:

@@ -21,6 +21,10 @@ _UNEVEN = 1.5  # longest distance between frames over the shortest: a rate that 
 # [s] and share of its length by which a header tells more than there is before a file is called cut
 # short: sound may go on a little behind the pictures.
 _SHORT_S, _SHORT = 0.25, 0.05
+# [byte] of a packet of transport streams (ITU-T H.222.0), of which a whole file has a whole number;
+# those of discs have a time stamp of 4 bytes before each.
+_PACKETS = (188, 192)
+_STREAMS = (".ts", ".mts", ".m2ts")
 _HD_ROWS = 720  # [px] from which streams that state no matrix mean BT.709's
 
 
@@ -45,7 +49,7 @@ def open_video(path: Path) -> Clip:
             base = float(stream.time_base or 1.0)
             rate = float(stream.average_rate or 24.0)
     except (av.error.FFmpegError, OSError) as error:
-        raise PhotoError(path, f"is no video that can be read ({error})", "convert it") from error
+        raise _unreadable(path, error) from error
     steps = np.diff(stamps) if len(stamps) > 1 else np.ones(1)
     notes = []
     if float(steps.max()) > _UNEVEN * max(float(steps.min()), 1e-9):
@@ -56,6 +60,8 @@ def open_video(path: Path) -> Clip:
             f"it is cut short: its header tells {told:.1f} s and {there:.1f} s are there, "
             "which are used"
         )
+    elif path.suffix.lower() in _STREAMS and all(path.stat().st_size % of for of in _PACKETS):
+        notes.append(f"it is cut short: it ends within a packet; {there:.1f} s are there")
 
     def read(indices: Sequence[int]) -> Iterator[Photo]:
         return in_one_size(_frames(path, [stamps[index] for index in indices]))
@@ -71,6 +77,17 @@ def open_video(path: Path) -> Clip:
     )
 
 
+def _unreadable(path: Path, error: Exception) -> PhotoError:
+    with path.open("rb") as file:
+        kind = file.read(8)[4:]
+    if kind in (b"ftyp", b"mdat", b"wide"):
+        problem = (
+            "cannot be read: it is cut short or damaged; MP4 and MOV have their index at the end"
+        )
+        return PhotoError(path, problem, "copy it again")
+    return PhotoError(path, f"is no video that can be read ({error})", "convert it")
+
+
 def _pyav(path: Path) -> Any:
     try:
         import av  # noqa: PLC0415 -- an extra
@@ -82,26 +99,45 @@ def _pyav(path: Path) -> Any:
 
 
 def _frames(path: Path, stamps: Sequence[int]) -> Iterator[Photo]:
-    """Photos of the frames with these time stamps; seeks where they lie far apart."""
+    """Photos of the frames with these time stamps; seeks where they lie far apart.
+
+    Of one that is damaged the next that is not takes the place, at the end of a file the last.
+    """
     av, sha256 = _pyav(path), sha256_of(path)
     with av.open(str(path)) as container:
         stream = container.streams.video[0]
         stream.thread_type = "AUTO"
         for stamp in stamps:
             container.seek(stamp, stream=stream, backward=True)
-            frame = _first(container.decode(stream), stamp)
+            frame = _first(_whole(av, container), stamp)
             if frame is None or frame.pts != stamp:
                 # Transport streams have no index, and a seek in them may go too far.
                 with av.open(str(path)) as anew:
-                    frame = _first(anew.decode(anew.streams.video[0]), stamp)
+                    frame = _first(_whole(av, anew), stamp)
             if frame is None:
-                raise PhotoError(path, "is cut short", "copy it again")
+                raise PhotoError(path, "has no frame that can be decoded", "copy it again")
             yield _photo(frame, int(stream.codec_context.color_trc or 0), path, sha256)
 
 
+def _whole(av: Any, container: Any) -> Iterator[Any]:
+    """Frames as they come, but for those that are damaged."""
+    packets = container.demux(container.streams.video[0])
+    while True:
+        try:
+            yield from next(packets).decode()
+        except StopIteration:
+            return
+        except av.error.InvalidDataError:
+            continue
+
+
 def _first(frames: Iterable[Any], stamp: int) -> Any:
-    """The first frame at a time stamp or later; None if there is none."""
-    return next((frame for frame in frames if (frame.pts or 0) >= stamp), None)
+    """The first frame at a time stamp or later, else the last one; None if there is none."""
+    frame = None
+    for frame in frames:
+        if (frame.pts or 0) >= stamp:
+            break
+    return frame
 
 
 def _photo(frame: Any, transfer: int, path: Path, sha256: str) -> Photo:
