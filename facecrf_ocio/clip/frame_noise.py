@@ -25,7 +25,10 @@ _CLIPPED = (3.0, 252.0)  # [code value] beyond which a curve's ends or clipping 
 # part of a pixel, and the highest are the first that encoders drop.
 _FINE, _FINEST = 4, 8
 _WIDTH = 12.0  # [code value] of a level
-_FLAT = 0.5  # share of a level's blocks that are used: its flattest
+# [noise variance] Fine structure that both frames show beyond noise, up to which a block counts as
+# flat: of it, what moved by part of a pixel would be taken for noise. Of 0.1 to 1, and of the
+# flattest halves of levels by all structure, it left the levels nearest to a straight line.
+_FLAT = 0.3
 _FEWEST = 40  # blocks of a level that tell anything
 
 Image = npt.NDArray[np.float32]
@@ -67,8 +70,10 @@ def noise_levels(pairs: Iterable[tuple[Image, Image]]) -> NoiseLevels:
         inside = np.flatnonzero(level == one)
         if len(inside) < _FEWEST:
             continue
-        flat = inside[np.argsort(rough[inside])[: max(_FEWEST, round(_FLAT * len(inside)))]]
         # Medians: a block whose content moved otherwise than the flow says is no noise.
+        flat = inside[rough[inside] < _FLAT * float(np.median(fine[inside]))]
+        if len(flat) < _FEWEST:
+            continue
         variance = max(float(np.median(fine[flat])), 1e-9)
         share = float(np.median(finest[flat])) / variance
         rows.append((*means[flat].mean(axis=0) / 255.0, variance, len(flat), share))
@@ -99,7 +104,7 @@ def _differences(first: Image, second: Image) -> tuple[Float, Float, Float, Floa
     fine = apart[:, order >= _FINE].mean(axis=1)
     finest = apart[:, order >= _FINEST].mean(axis=1)
     # What both frames show less the noise that is left in their mean.
-    rough = shown[:, order >= 1].mean(axis=1) - apart[:, order >= 1].mean(axis=1) / 2.0
+    rough = shown[:, order >= _FINE].mean(axis=1) - fine / 2.0
     means = (one.mean(axis=(1, 2)) + other.mean(axis=(1, 2))) / 2.0
     return means.astype(np.float64), fine, finest, rough
 
