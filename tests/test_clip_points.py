@@ -22,8 +22,8 @@ from facecrf_ocio.joint.prior import Posterior
 from facecrf_ocio.photo.shot import read_shot
 
 sys.path.append(str(Path(__file__).parents[1] / "examples" / "measure_clips"))
-from clips_known import Cell, ClipPlan, choose_cells, run_clips
-from virtual_clip import Take, drifted, take_clip
+from clips_known import Cell, ClipPlan, _alike, choose_cells, run_clips
+from virtual_clip import EVEN, STEPS, Take, _course, drifted, take_clip
 
 PRIOR = shipped_joint().prior
 SIZE = PRIOR.basis.shape[0]
@@ -134,3 +134,18 @@ def test_the_bench_of_clips_measures_and_goes_on(tmp_path):
     before = (tmp_path / "out" / "clips.jsonl").read_bytes()
     assert run_clips(plan, tmp_path / "out")[0] == text
     assert (tmp_path / "out" / "clips.jsonl").read_bytes() == before
+
+
+def test_exposures_of_known_clips_go_evenly_or_in_steps():
+    times, generator = np.linspace(0.0, 1.0, 24), np.random.default_rng(0)
+    even = _course(EVEN, times, generator)
+    assert np.ptp(np.diff(even)) == pytest.approx(0.0, abs=1e-9)
+    assert sorted(even[[0, -1]]) == [-1.0, 1.0]
+    levels = np.unique(_course(STEPS, times, generator))
+    assert levels == pytest.approx([-1.0, -1 / 3, 1 / 3, 1.0])
+
+
+def test_errors_of_frames_count_as_alike_by_how_far_they_are_apart():
+    near, far = _alike(np.array([[2.0], [2.0], [-1.0], [-1.0]]))
+    assert near == pytest.approx((4.0 - 2.0 + 1.0) / 3.0)
+    assert far == pytest.approx(-2.0)  # the first and the last alone

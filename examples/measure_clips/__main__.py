@@ -24,10 +24,17 @@ from facecrf_ocio.cli.terminal import FAILED, complain, ending_well, require_wri
 )
 @click.option("--count", type=click.IntRange(1), default=10, show_default=True, help="Of a row.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@click.option("--minutes", type=float, default=float("inf"), help="After which none is begun.")
 @click.option("-o", "--output", required=True, type=PATH, metavar="DIR")
 @ending_well
 def measure_clips(
-    faces: Path, pattern: str, curves: Path, cells: str, output: Path, **rest: Any
+    faces: Path,
+    pattern: str,
+    curves: Path,
+    cells: str,
+    minutes: float,
+    output: Path,
+    **rest: Any,
 ) -> int:
     """Take clips of known curves: moving camera and exposure, noise, H.264 and JPEG.
 
@@ -41,7 +48,7 @@ def measure_clips(
     plan = ClipPlan(found.images, responses, cells=chosen, **rest)
     try:
         with counting("clips", plainly=True) as tell:
-            return told(*run_clips(plan, output, progress=tell))
+            return told(*run_clips(plan, output, minutes=minutes, progress=tell))
     except KeyboardInterrupt:
         return complain("interrupted; the same command goes on where it was", FAILED)
 

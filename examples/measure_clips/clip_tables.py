@@ -13,15 +13,16 @@ from facecrf_ocio.files.atomic import Draft, write_files
 
 _HEADINGS = (
     "|clips|stops: clip|a frame|ratio|mean curve|sRGB|RMSE: clip|a frame|ratio|mean curve|sRGB|"
-    "band %|in stops %|a frame's %|alike|drifts told|noise used"
+    "band %|in stops %|a frame's %|alike near|far|each ratio|drifts told|noise used"
 )
 LEGEND = """\
 Medians over clips; the error of a frame is the mean over those that the clip's curve comes from.
 Stops: |log2(g / truth)| over codes 64 to 235 with one factor taken out at code 128. RMSE: of
 g x 100 on 1,024 codes. ratio: of the medians. band: share of codes within the 90 % band. alike:
-correlation of the errors of two frames of a clip, by how much less the mean of their curves errs
-than they do. drifts told: clips of which it was said that their curve drifts. noise used: clips
-whose noise told the exponent."""
+correlation of the errors of two frames of a clip, next to each other among those that are used and
+more than half the clip apart. each ratio: geometric mean of the clips' own ratios. drifts told:
+clips of which it was said that their curve drifts. noise used: clips whose noise told the
+exponent."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,8 +42,8 @@ class ClipResult:
         frames.
     drift, drift_error, drifts, true_drift
         What was said of it, and what is true.
-    shared, whole
-        Mean square of the frames' mean error, and of their errors.
+    near, far, whole
+        Mean product of the errors of frames next to each other and far apart, and mean square.
     exposure_stops
         By how much the face's light was found to vary.
     noise_told
@@ -68,18 +69,18 @@ class ClipResult:
     drift_error: float
     drifts: bool
     true_drift: float
-    shared: float
+    near: float
+    far: float
     whole: float
     exposure_stops: float
     noise_told: bool
 
 
-def correlation(results: Sequence[ClipResult]) -> float:
-    """Of the errors of two frames of one clip, from how much less their mean errs."""
-    count = float(np.mean([one.frames for one in results]))
-    whole = float(np.sum([one.whole for one in results]))
-    share = float(np.sum([one.shared for one in results])) / max(whole, 1e-12)
-    return (share * count - 1.0) / max(count - 1.0, 1.0)
+def correlations(results: Sequence[ClipResult]) -> tuple[float, float]:
+    """Of the errors of two frames of one clip that are near, and that are far from each other."""
+    whole = max(float(np.sum([one.whole for one in results])), 1e-12)
+    near, far = (float(np.sum(of)) for of in zip(*((r.near, r.far) for r in results), strict=True))
+    return near / whole, far / whole
 
 
 def clip_markdown(results: Sequence[ClipResult]) -> str:
@@ -119,7 +120,8 @@ def _cells(group: Sequence[ClipResult]) -> list[str]:
         number(mean_of(r.band for r in group), 100, 0),
         number(mean_of(r.band_stops for r in group), 100, 0),
         number(mean_of(r.frame_band for r in group), 100, 0),
-        f"{correlation(group):.2f}",
+        *(f"{one:.2f}" for one in correlations(group)),
+        f"{np.exp(np.nanmean([np.log(r.clip_mid / r.frame_mid) for r in group])):.2f}",
         f"{sum(r.drifts for r in group)} of {len(group)}",
         f"{sum(r.noise_told for r in group)} of {len(group)}",
     ]

@@ -7,13 +7,15 @@ import json
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
+from time import monotonic
 
 import numpy as np
 from clip_tables import ClipResult, clip_files
-from virtual_clip import Take, drifted, take_clip
+from virtual_clip import EVEN, STEPS, Take, drifted, take_clip
 
+import facecrf_ocio.clip
 from facecrf_ocio.benchmark.cases import code_digest
 from facecrf_ocio.benchmark.folds import assign_folds
 from facecrf_ocio.benchmark.images import LinearImage
@@ -30,7 +32,8 @@ from facecrf_ocio.response.model import dorf_model, inverse_crf
 from facecrf_ocio.values import CHANNELS, Confidence, Float, InverseCRF
 
 _GREEN = 1  # the channel whose curve stands for all: in measured responses it is the surest
-_FRAMES = 8  # that a clip's curve comes from; twelve, the default, tell hardly more
+_FRAMES = 6  # that a clip's curve comes from; twelve, the default, tell hardly more
+_4K = 8.3  # megapixels; a clip takes minutes
 _DRIFT = 0.03  # RMSE between both ends of a clip that drifts
 
 
@@ -52,8 +55,11 @@ CELLS = (
     Cell("10 Mbit/s, exposure moves 1.5 stops", Take(10.0, 1.5)),
     Cell("2 Mbit/s, exposure moves 1.5 stops", Take(2.0, 1.5)),
     Cell("10 Mbit/s, exposure fixed", Take(10.0)),
+    Cell("10 Mbit/s, 1.5 stops in steps", Take(10.0, 1.5, course=STEPS)),
+    Cell("10 Mbit/s, 1.5 stops evenly", Take(10.0, 1.5, course=EVEN)),
     Cell("10 Mbit/s, 1.5 stops, curve drifts", Take(10.0, 1.5, _DRIFT)),
     Cell("10 Mbit/s, fixed, curve drifts", Take(10.0, 0.0, _DRIFT)),
+    Cell("4K of 100 Mbit/s, 1.5 stops", Take(100.0, 1.5, megapixels=_4K)),
 )
 
 
@@ -87,13 +93,14 @@ class ClipPlan:
         total = len(self.responses.inverse)
         rows = generator.permutation(np.resize(spread_rows(total, limit=self.count), self.count))
         images = np.resize(generator.permutation(len(self.images)), self.count)
-        for cell in self.cells:
-            for number in range(self.count):
+        # One of each row, and then the next: a run that is broken off has as many of each.
+        for number in range(self.count):
+            for cell in self.cells:
                 yield ClipTask(cell, number, int(images[number]), int(rows[number]))
 
     def key(self, task: ClipTask) -> str:
         """Digest of all that a result depends on."""
-        parts = [asdict(task), self.seed, self.responses.sha256, code_digest()]
+        parts = [asdict(task), self.seed, self.responses.sha256, code_digest(), _clip_digest()]
         text = json.dumps([*parts, self.images[task.image].sha256], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
@@ -109,9 +116,15 @@ class ClipTask:
 
 
 def run_clips(
-    plan: ClipPlan, output: Path, *, progress: Callable[[int, int], None] = lambda *_: None
+    plan: ClipPlan,
+    output: Path,
+    *,
+    minutes: float = np.inf,
+    progress: Callable[[int, int], None] = lambda *_: None,
 ) -> tuple[str, tuple[Path, ...]]:
     """Measure what is not measured yet; returns the table and the files written.
+
+    After `minutes` no more clips are begun, and the table is of those there are.
 
     Raises
     ------
@@ -122,13 +135,24 @@ def run_clips(
     keys = {plan.key(task): task for task in plan.tasks()}
     read = lru_cache(maxsize=4)(LinearImage.read)
     fold_of = assign_folds(plan.responses, FOLDS)
+    ends = monotonic() + 60.0 * minutes
     for done, (key, task) in enumerate(keys.items()):
         progress(done, len(keys))
+        if monotonic() > ends and store.results:
+            break
         if key not in store.results:
             fold = int(fold_of[task.row])
             store.append({key: _measure(plan, task, fold, read(plan.images[task.image]).encoded)})
-    progress(len(keys), len(keys))
-    return clip_files([store.results[key] for key in keys], output)
+    else:
+        progress(len(keys), len(keys))
+    return clip_files([store.results[key] for key in keys if key in store.results], output)
+
+
+@cache
+def _clip_digest() -> str:
+    """Of the code of clips, which no other bench depends on."""
+    files = sorted(Path(facecrf_ocio.clip.__file__).parent.glob("*.py"))
+    return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
 
 def choose_cells(names: str) -> tuple[Cell, ...]:
@@ -209,11 +233,24 @@ def _result(
         found.drift_error,
         found.drifts,
         task.cell.take.drift,
-        float((errors.mean(axis=0) ** 2).mean()) if bias else 0.0,
+        *_alike(errors),
         float((errors**2).mean()) if bias else 0.0,
         found.exposure_stops,
         found.noise_told,
     )
+
+
+def _alike(errors: Float) -> tuple[float, float]:
+    """Mean product of the errors (J, K) of frames next to each other, and far from each other.
+
+    Far is more than half the clip; errors are those of the curves, linear light.
+    """
+    count = len(errors)
+    apart = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
+    products = errors @ errors.T / max(errors.shape[1], 1)
+    pairs = (products[apart == 1], products[apart > count / 2.0])
+    near, far = (float(one.mean()) if one.size else 0.0 for one in pairs)
+    return near, far
 
 
 def _mean(values: Sequence[float]) -> float:

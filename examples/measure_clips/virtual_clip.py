@@ -21,7 +21,6 @@ Image = npt.NDArray[np.float32]
 Codes = npt.NDArray[np.uint8]
 
 RATE = 24  # [1/s]
-_MEGAPIXELS = 0.5  # of a frame: faces of 300 px and more, and minutes instead of hours
 _WINDOW = 0.9  # of the scene's sides that a frame shows
 _ROAM = 0.03  # of the sides: how far the window strays from the middle
 _ZOOM = 0.03  # by which it grows and shrinks
@@ -30,6 +29,8 @@ _LEVELS = 65536  # of linear light
 _QUALITY = 90  # of JPEG frames
 _TIME_S, _SHUTTER = 1 / 60, 0.02  # [s] mean exposure time, [stop] how far a shutter strays
 _MEGABIT = 1_000_000
+_STEPS = 4  # levels of an exposure that jumps
+WANDERING, EVEN, STEPS = "wandering", "even", "steps"
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +53,11 @@ class Take:
         Whether EXIF of JPEGs tells the exposure times, which shutters keep within 0.02 stops.
     lossless
         Whether images are PNGs and no JPEGs.
+    course
+        How exposure goes: `wandering`, `even` (it only rises or only falls) or `steps` (it jumps
+        a few times, as a camera does that meters anew now and then).
+    megapixels
+        Of a frame. Of half a megapixel faces have 300 px and more, and clips take seconds.
     """
 
     mbits: float | None
@@ -61,6 +67,8 @@ class Take:
     iso: float = 400.0
     told: bool = False
     lossless: bool = False
+    course: str = WANDERING
+    megapixels: float = 0.5
 
 
 def take_clip(
@@ -86,7 +94,7 @@ def take_clip(
         Where to.
     """
     times = np.linspace(0.0, 1.0, take.frames)
-    stops = take.swing * _path(times, generator) / 2.0
+    stops = take.swing * _course(take.course, times, generator) / 2.0
     frames = _frames(scene, curves, take, stops, generator)
     if take.mbits is not None:
         return _video(folder / "take.mp4", frames, round(take.mbits * _MEGABIT))
@@ -131,7 +139,7 @@ def _frames(
     stops: Float,
     generator: np.random.Generator,
 ) -> Iterator[Codes]:
-    scale = np.sqrt(_MEGAPIXELS * 1e6 / (scene.shape[0] * scene.shape[1]))
+    scale = np.sqrt(take.megapixels * 1e6 / (scene.shape[0] * scene.shape[1]))
     width, height = (2 * round(scale * side / 2) for side in scene.shape[1::-1])
     bright = max(float(np.quantile(scene, 0.99)), 1e-6)
     light = np.maximum(scene, 0.0) * np.float32(_FACE_WHITE / bright)
@@ -149,6 +157,16 @@ def _frames(
         table = np.interp(levels, curve, grid * 255.0)
         codes = np.rint(table).astype(np.uint8)
         yield codes[np.rint(np.clip(counted, 0.0, 1.0) * np.float32(_LEVELS - 1)).astype(np.intp)]
+
+
+def _course(name: str, times: Float, generator: np.random.Generator) -> Float:
+    """(J,) exposures between -1 and 1, both of which are reached."""
+    if name == WANDERING:
+        return _path(times, generator)
+    if name == EVEN:
+        return np.asarray(generator.choice([-1.0, 1.0]) * (2.0 * times - 1.0))
+    levels = generator.permutation(np.linspace(-1.0, 1.0, _STEPS))
+    return np.asarray(levels[np.minimum((times * _STEPS).astype(np.intp), _STEPS - 1)])
 
 
 def _path(times: Float, generator: np.random.Generator) -> Float:
