@@ -21,7 +21,8 @@ VERDICTS: Text = (
         "from the verdict.",
         "weak": "A first guess. The photo says something, but little, or its cues contradict "
         "each other. Compare it with sRGB; more photos of the same camera together, a raw file "
-        "beside the JPEG, or a bracket make it surer.",
+        "beside the JPEG, or a bracket make it surer. Where the file has lost its camera's name "
+        "and a digital camera or a phone took the photo, --prior modern does.",
         "prior only": "Not of this photo: what cameras do on average, or a fixed curve that was "
         "asked for.",
     },
