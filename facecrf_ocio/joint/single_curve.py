@@ -6,6 +6,8 @@ drawing has no noise: none of them shows how a camera answered light.
 
 from __future__ import annotations
 
+from typing import Any
+
 import cv2
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +18,7 @@ from facecrf_ocio.values import Bool, Float, Lacking, Photo
 
 _GAIN_SIDE, _GAIN_BINS = 256, 64  # [px] and brightnesses at which a gain map is looked at
 _SIDE = 512  # [px] of the middle of the picture that is looked at, at its own size
+_APART = 8  # [px] at which colors are counted first: 4,096 pixels of the middle
 _SAMPLES = 192  # [px] of the long side at which color is looked at
 _FEWEST_SAMPLES = 512  # [px] thirty and more for each unknown of the spline
 _SEGMENTS = 16  # of the spline from brightness to color: one is 16 codes
@@ -44,7 +47,7 @@ def no_photograph(pixels: Pixels, box_xy: Float, settings: JointSettings) -> Lac
     """
     if pixels.shape[0] * pixels.shape[1] < _FEWEST_PIXELS:
         return None
-    if distinct_colors(middle_codes(pixels)) < settings.fewest_colors:
+    if has_few_colors(middle_codes(pixels), settings.fewest_colors):
         return Lacking("the picture has the few colors of a palette", _ORIGINAL)
     left, top = (max(int(edge), 0) for edge in box_xy[:2])
     right, bottom = (int(edge) for edge in box_xy[:2] + box_xy[2:])
@@ -94,10 +97,16 @@ def middle_codes(pixels: Pixels) -> npt.NDArray[np.uint8]:
     return eight_bit(pixels[top : top + _SIDE, left : left + _SIDE])
 
 
+def has_few_colors(codes: npt.NDArray[np.uint8], fewest: int) -> bool:
+    """Whether there are fewer colors; of a photograph, few of its pixels have as many already."""
+    some = codes[::_APART, ::_APART]
+    return np.unique(_packed(some)).size < fewest and distinct_colors(codes) < fewest
+
+
 def distinct_colors(codes: npt.NDArray[np.uint8]) -> int:
     """Number of colors, by a mark for each that there can be: sorting the pixels takes longer."""
     seen = np.zeros(1 << 24, np.bool_)
-    seen[_packed(codes)] = True
+    seen[_packed(codes) & np.uint32((1 << 24) - 1)] = True
     return int(np.count_nonzero(seen))
 
 
@@ -106,17 +115,18 @@ def flat_share(codes: npt.NDArray[np.uint8]) -> float:
     color = _packed(codes)
     here = color[:-1, :-1]
     same = (here == color[:-1, 1:]) & (here == color[1:, :-1])
-    red, green, blue = (codes[:-1, :-1, c] for c in range(3))
-    open_ = np.maximum(np.maximum(red, green), blue) > _CLIPPED[0]
-    open_ &= np.minimum(np.minimum(red, green), blue) < _CLIPPED[1]
+    planes: Any = cv2.split(np.ascontiguousarray(codes[:-1, :-1]))
+    red, green, blue = planes
+    open_ = np.asarray(cv2.max(cv2.max(red, green), blue)) > _CLIPPED[0]
+    open_ &= np.asarray(cv2.min(cv2.min(red, green), blue)) < _CLIPPED[1]
     count = np.count_nonzero(open_)
     return float(np.count_nonzero(same & open_) / count) if count >= _FEWEST_PIXELS else 0.0
 
 
 def _packed(codes: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint32]:
-    """(H, W) one number a color."""
-    wide = codes.astype(np.uint32)
-    return np.asarray(wide[..., 0] << 16 | wide[..., 1] << 8 | wide[..., 2], np.uint32)
+    """(H, W) one number a color: its bytes, and one more that is alike for all."""
+    wide = np.asarray(cv2.cvtColor(np.ascontiguousarray(codes), cv2.COLOR_RGB2RGBA))
+    return wide.view(np.uint32)[..., 0]
 
 
 def chroma_share(pixels: Pixels) -> float:
@@ -132,21 +142,25 @@ def chroma_share(pixels: Pixels) -> float:
     step = max(1, long // _SAMPLES)
     part = np.ascontiguousarray(pixels[::step, ::step])
     codes = 255.0 * np.asarray(code_values(part, 8), np.float64)
-    usable = (codes.min(axis=2) > _CLIPPED[0]) & (codes.max(axis=2) < _CLIPPED[1])
-    if usable.sum() < _FEWEST_SAMPLES:
+    red, green, blue = (np.ascontiguousarray(codes[..., channel]) for channel in range(3))
+    usable = np.minimum(np.minimum(red, green), blue) > _CLIPPED[0]
+    usable &= np.maximum(np.maximum(red, green), blue) < _CLIPPED[1]
+    count = int(np.count_nonzero(usable))
+    if count < _FEWEST_SAMPLES:
         return np.inf
     luma = codes @ _LUMA
-    left = np.zeros((*luma.shape, 2))
-    left[usable] = _about_a_curve(luma[usable], (codes[..., (0, 2)] - luma[..., None])[usable])
+    seen = luma[usable]
+    left = np.zeros((2, *luma.shape))
+    left[:, usable] = _about_a_curve(seen, np.stack([red[usable] - seen, blue[usable] - seen]))
     near = _shared(left, usable, max(1, round(_NEAR * long / step)))
     far = _shared(left, usable, max(1, round(max(_FAR * long, _LEAST_FAR) / step)))
-    whole = float((left[usable] ** 2).sum(axis=1).mean())
+    whole = float((left**2).sum()) / count
     odds = near / max(whole - near, _ROUNDING)
-    return float(np.sqrt(far) / max(float(luma[usable].std()), 1.0) * odds**2)
+    return float(np.sqrt(far) / max(float(seen.std()), 1.0) * odds**2)
 
 
 def _about_a_curve(luma: Float, color: Float) -> Float:
-    """(N, 2) what is left of color about a cubic spline over brightness.
+    """(2, N) what is left of color about a cubic spline over brightness.
 
     By uniform B-splines, four of which are not 0 in each segment, and sums of powers of the place
     in it; SciPy's splines take half a second to import.
@@ -154,12 +168,13 @@ def _about_a_curve(luma: Float, color: Float) -> Float:
     low, high = luma.min(), luma.max()
     place = np.clip((luma - low) / max(high - low, 1.0), 0.0, 1.0) * _SEGMENTS
     segment = np.minimum(place.astype(np.intp), _SEGMENTS - 1)
-    powers = np.vander(place - segment, 7, increasing=True).T
+    inside = np.broadcast_to(place - segment, (6, place.size))
+    powers = np.concatenate([np.ones((1, place.size)), np.multiply.accumulate(inside)])
     sums = np.array([np.bincount(segment, power, _SEGMENTS) for power in powers])
     squares = _CUBIC @ sums.T[:, np.add.outer(np.arange(4), np.arange(4))] @ _CUBIC.T
     normal = _RIDGE * np.eye(_SEGMENTS + 3)
     right = np.zeros((_SEGMENTS + 3, 2))
-    for channel, values in enumerate(color.T):
+    for channel, values in enumerate(color):
         pulls = np.array([np.bincount(segment, power * values, _SEGMENTS) for power in powers[:4]])
         for k, pull in enumerate((_CUBIC @ pulls).T):
             right[k : k + 4, channel] += pull
@@ -167,15 +182,17 @@ def _about_a_curve(luma: Float, color: Float) -> Float:
         normal[k : k + 4, k : k + 4] += square
     found = np.linalg.solve(normal, right)
     cubics = np.array([_CUBIC.T @ found[k : k + 4] for k in range(_SEGMENTS)])
-    curve = sum(power[:, None] * cubics[segment, k] for k, power in enumerate(powers[:4]))
+    of_power = np.ascontiguousarray(cubics.transpose(2, 1, 0))
+    curve = [sum(p * f[segment] for p, f in zip(powers[:4], of, strict=True)) for of in of_power]
     return np.asarray(color - curve)
 
 
 def _shared(left: Float, usable: Bool, lag: int) -> float:
     """Mean product of what is left at pixels that lie `lag` samples apart; not below 0."""
-    products = [
-        (left[:, :-lag] * left[:, lag:]).sum(axis=2)[usable[:, :-lag] & usable[:, lag:]],
-        (left[:-lag] * left[lag:]).sum(axis=2)[usable[:-lag] & usable[lag:]],
-    ]
-    found = np.concatenate(products)
-    return max(float(found.mean()), 0.0) if len(found) else 0.0
+    total, count = 0.0, 0
+    rows, columns = np.s_[:-lag, :], np.s_[:, :-lag]
+    for here, there in ((columns, np.s_[:, lag:]), (rows, np.s_[lag:, :])):
+        # What is not usable has nothing left, and adds nothing.
+        total += sum(float((plane[here] * plane[there]).sum()) for plane in left)
+        count += int(np.count_nonzero(usable[here] & usable[there]))
+    return max(total / count, 0.0) if count else 0.0
