@@ -52,12 +52,17 @@ class Candidate:
 
 
 def drop_duplicates(candidates: Iterable[Candidate]) -> tuple[Candidate, ...]:
-    """Keep the best of all candidates whose boxes overlap by more than 30 %, best first."""
+    """Keep the best of all candidates that are the same face, best first."""
     kept: list[Candidate] = []
     for candidate in sorted(candidates, key=lambda item: item.score, reverse=True):
-        if all(_overlap(candidate, other) <= 0.3 for other in kept):
+        if not any(is_same(candidate, other) for other in kept):
             kept.append(candidate)
     return tuple(kept)
+
+
+def is_same(a: Candidate, b: Candidate) -> bool:
+    """Whether two boxes are of one face: they overlap by more than 30 %."""
+    return _overlap(a, b) > 0.3
 
 
 def _overlap(a: Candidate, b: Candidate) -> float:
