@@ -80,7 +80,8 @@ def test_the_widest_face_alone_costs_no_landmarks_of_the_others(monkeypatch):
     every = find_faces(photo, SETTINGS).faces
     taken = len(passes)
     (widest,) = find_faces(photo, SETTINGS, most=1).faces
-    assert np.array_equal(widest.landmarks_xyz, every[0].landmarks_xyz)
+    # It is sought on a part of the copy, and the network sees the edge of that.
+    assert mean_distance(widest.landmarks_xyz, every[0].landmarks_xyz) < 0.002 * WIDTH
     assert len(passes) - taken < taken
 
 

@@ -82,7 +82,8 @@ def find_faces(pixels: Pixels, settings: FaceSettings, most: int | None = None) 
     settings
         `detection_long_side`, `min_face_score` and `min_face_width` (in pixels of the photo).
     most
-        As many faces as are wanted; no landmarks are fitted to narrower ones. All by default.
+        As many faces as are wanted; no landmarks are fitted to narrower ones. All by default. A
+        single one is sought on the smallest copy first, and where it is seen there.
     """
     side = settings.detection_long_side
     pyramid = Pyramid(pixels, side, max(1, side // 2), max(1, side // 4))
