@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import Any
 
 import cv2
@@ -14,7 +15,7 @@ EDGE_LEVELS = 8  # of 32 codes each, not much more than the faintest edge has
 
 _WHITE = 255  # [code value] of 8 bits
 _FAINTEST = 24  # codes between the two sides of an edge
-_FLAT = 0.15  # of that, which the sides themselves may rise by
+_FLAT = Fraction(3, 20)  # of that, which the sides themselves may rise by
 _RUN = 7  # samples across an edge: both sides, three between them, and one beyond each side
 
 
@@ -30,11 +31,7 @@ def count_edges(plane: npt.NDArray[np.uint8] | npt.NDArray[np.int16], white: int
     runs = [_runs(p, parts) for p in (plane, turned) if len(p) >= _RUN]
     if not runs:
         return np.zeros((EDGE_LEVELS, EDGE_LEVELS, 3))
-    run = np.concatenate(runs, axis=1)
-    step = np.diff(run, axis=0) / (run[5] - run[1])
-    steady = step[1:5].min(axis=0) >= 0.0
-    steady &= (np.abs(step[0]) <= _FLAT) & (np.abs(step[5]) <= _FLAT)
-    run = run.compress(steady, axis=1)
+    run = np.concatenate(runs, axis=1) / np.float32(parts)
     low, high = np.minimum(run[1], run[5]), np.maximum(run[1], run[5])
     middle = ((run[2] + run[3] + run[4]) / 3.0 - low) / (high - low)
     unit = np.float32((_WHITE + 1) / EDGE_LEVELS)
@@ -49,8 +46,15 @@ def count_edges(plane: npt.NDArray[np.uint8] | npt.NDArray[np.int16], white: int
 def _runs(
     plane: npt.NDArray[np.uint8] | npt.NDArray[np.int16], parts: int
 ) -> npt.NDArray[np.float32]:
-    """(7, N) codes down a plane whose second and last but one differ enough for an edge."""
+    """(7, N) samples down a plane that are an edge."""
     rise = np.asarray(cv2.absdiff(plane[5:-1], plane[1:-5]))
     place = np.flatnonzero(rise >= _FAINTEST * parts)
     below = np.arange(_RUN)[:, None] * plane.shape[1]
-    return np.asarray(plane.ravel().take(place + below), np.float32) / np.float32(parts)
+    run = plane.ravel().take(place + below).astype(np.int16)
+    step = np.diff(run, axis=0)
+    inner = step[1:5]
+    steady = (inner.min(axis=0) >= 0) | (inner.max(axis=0) <= 0)
+    most = rise.ravel()[place].astype(np.int16) * _FLAT.numerator
+    for beyond in (step[0], step[5]):
+        steady &= np.abs(beyond) * _FLAT.denominator <= most
+    return np.asarray(run.compress(steady, axis=1), np.float32)

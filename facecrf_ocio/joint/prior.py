@@ -137,13 +137,13 @@ class FamilyPrior:
         for name in ("grid", "mean", "basis", "weights", "means", "covariances", "family"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
 
-    def samples(self, coefficients: Float) -> Float:
-        """Curves on the grid, (..., M) -> (..., K); not made monotone."""
-        return np.asarray(np.maximum(self.roots(coefficients), 0.0) ** 2)
+    def samples(self, coefficients: Float, every: int = 1) -> Float:
+        """Curves on the grid, (..., M) -> (..., K), or every so many; not made monotone."""
+        return np.asarray(np.maximum(self.roots(coefficients, every), 0.0) ** 2)
 
-    def roots(self, coefficients: Float) -> Float:
-        """Roots of linear light on the grid, (..., M) -> (..., K)."""
-        return np.asarray(self.mean + coefficients @ self.basis)
+    def roots(self, coefficients: Float, every: int = 1) -> Float:
+        """Roots of linear light on the grid, (..., M) -> (..., K), or every so many."""
+        return np.asarray(self.mean[::every] + coefficients @ self.basis[:, ::every])
 
     def weights_for(self, prior: str, leaning: float = 0.0, phone: float = 0.0) -> Float:
         """Weights of the components, (C,).

@@ -72,7 +72,8 @@ def count_soft_edges(codes: npt.NDArray[np.uint8]) -> SoftEdges:
     found: list[tuple[int, _Edges]] = []
     for number, size in enumerate(SOFT_SIZES):
         if size > 1:
-            channels = _summed(channels)
+            # Products with shares of a rise fit 16 bits up to sums of four pixels.
+            channels = _summed(channels if size == 2 else channels.astype(np.int32))
         if not channels.size:
             break
         stacks = _stacks(channels, _APART if size == 1 else 1)
@@ -95,9 +96,9 @@ def _of_all(found: Sequence[tuple[int, Plane]]) -> tuple[Plane, Places]:
 def _summed(channels: Image) -> Image:
     """Sums of two by two pixels of (3, H, W)."""
     height, width = channels.shape[1] // 2, channels.shape[2] // 2
-    whole = channels[:, : 2 * height, : 2 * width].astype(np.int32)
+    whole = channels[:, : 2 * height, : 2 * width]
     rows = whole[:, ::2] + whole[:, 1::2]
-    return rows[..., ::2] + rows[..., 1::2]
+    return np.asarray(rows[..., ::2] + rows[..., 1::2])
 
 
 def _stacks(channels: Image, step: int) -> Iterator[Image]:

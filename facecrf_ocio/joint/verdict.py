@@ -14,7 +14,10 @@ import numpy as np
 from facecrf_ocio.color.srgb import decode_srgb
 from facecrf_ocio.joint.prior import FamilyPrior, Posterior
 from facecrf_ocio.response.expected_stops import (
+    CHECKED_EVERY,
+    FEWEST,
     expected_of_draws,
+    rises,
     rising,
     share_nearer,
     stops_of_draws,
@@ -66,7 +69,7 @@ def judge(
     band_scale, stops_scale
         As `JointModel` explains.
     """
-    truths = stops_of_draws(rising(_draws(posterior, prior, band_scale)))
+    truths = stops_of_draws(_rising_draws(posterior, prior, band_scale))
     estimate = found.linear[0]
     srgb = decode_srgb(found.encoded)
     told = expected_of_draws(estimate, truths)
@@ -75,14 +78,21 @@ def judge(
     return told, share_nearer(estimate, srgb, truths)
 
 
-def _draws(posterior: Posterior, prior: FamilyPrior, band_scale: float) -> Float:
-    """(512, K) curves; the same for the same posterior."""
+def _rising_draws(posterior: Posterior, prior: FamilyPrior, band_scale: float) -> Float:
+    """(N, K) those of 512 curves that rise; the same for the same posterior."""
     generator = np.random.default_rng(0)
     root = np.linalg.cholesky(posterior.covariance)
     steps = generator.standard_normal((_DRAWS, posterior.mean.size)) @ root.T
     drawn = posterior.mean + band_scale * steps
+    # By a sixteenth of their samples, before all are there.
+    good = drawn[rises(_samples(prior, drawn, CHECKED_EVERY))]
+    return _samples(prior, good) if len(good) >= FEWEST else rising(_samples(prior, drawn))
+
+
+def _samples(prior: FamilyPrior, drawn: Float, every: int = 1) -> Float:
     # In parts that BLAS multiplies in one thread: others would wait for more to do, and spin.
-    return np.concatenate([prior.samples(part) for part in np.array_split(drawn, _PARTS)])
+    parts = np.array_split(drawn, _PARTS)
+    return np.concatenate([prior.samples(part, every) for part in parts])
 
 
 def deviations(posterior: Posterior, prior: FamilyPrior, band_scale: float) -> Float:

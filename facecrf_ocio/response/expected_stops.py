@@ -16,16 +16,18 @@ from facecrf_ocio.response.stops import (
     log_light,
     mean_over,
 )
-from facecrf_ocio.values import CHANNELS, Float, InStops, InverseCRF, Verdict
+from facecrf_ocio.values import CHANNELS, Bool, Float, InStops, InverseCRF, Verdict
 
 # Expected errors up to which an estimate is called reliable.
 RELIABLE_MID = 0.1  # [stop] what a colorist sees side by side
 RELIABLE_SHADOWS = 0.25  # [stop] little in the shadows, where sRGB decoding is off by one
 # A Gaussian over coefficients holds curves that fall somewhere, and no camera has such a response.
 # They are left out, as far as so many others remain that quantiles mean something.
-_FEWEST = 50
+FEWEST = 50
+"""Curves, of which quantiles mean something."""
 _DRAWS = 100  # of each component of a prior
-_CHECKED_EVERY = 16  # samples of 1,024: a dent narrower than 4 codes counts as none
+CHECKED_EVERY = 16
+"""Samples of 1,024: a dent narrower than 4 codes counts as none."""
 # Of a Gaussian: share within one deviation, and mean distance over deviation.
 _WITHIN_ONE = 0.6827
 _MEAN_OF_DEVIATION = float(np.sqrt(2.0 / np.pi))  # mean of |x| of a standard normal variable
@@ -37,11 +39,15 @@ def verdict_of(expected: InStops) -> Verdict:
     return Verdict.RELIABLE if reliable else Verdict.WEAK
 
 
+def rises(checked: Float) -> Bool:
+    """(N,) which curves rise, by every `CHECKED_EVERY`-th sample of each (N, K)."""
+    return np.asarray((np.diff(checked, axis=1) > 0.0).all(axis=1))
+
+
 def rising(draws: Float) -> Float:
     """Those of (N, K) curves that rise, or all made so where these are too few."""
-    steps = np.diff(draws[:, ::_CHECKED_EVERY], axis=1)
-    good = draws[(steps > 0.0).all(axis=1)]
-    chosen = good if len(good) >= _FEWEST else np.maximum.accumulate(draws, axis=1)
+    good = draws[rises(draws[:, ::CHECKED_EVERY])]
+    chosen = good if len(good) >= FEWEST else np.maximum.accumulate(draws, axis=1)
     return np.asarray(np.maximum(chosen, 0.0))
 
 
