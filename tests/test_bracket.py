@@ -78,6 +78,19 @@ def test_steps_of_two_stops_leave_no_waves():
     assert stops_error(uniform(found), uniform(truth)).mid < 0.025
 
 
+@pytest.mark.parametrize("warm", [0.5, 0.6])
+def test_channels_that_are_alike_go_on_alike_where_light_is_warm(warm):
+    truth = made_curves()["sRGB after a shoulder"]
+    generator, stops = np.random.default_rng(2), np.array([-4.0, -2.0, 0.0, 2.0])
+    light = np.exp2(generator.uniform(-9.0, 2.0, (1500, 1)) + generator.normal(0, 0.3, (1500, 3)))
+    light *= (1.5, 1.0, warm)
+    shots = [encode(np.clip(light * 2.0**stop, 0, 1), truth) * 255.0 for stop in stops]
+    shots = [np.rint(s + generator.normal(0, 0.4, s.shape)).clip(0, 255) for s in shots]
+    found = solve_bracket(shots, stops).found
+    gray = np.array([np.interp(0.5, found.encoded, row) for row in found.linear])
+    assert np.abs(np.log2(gray / gray[1])).max() < 0.03
+
+
 @pytest.mark.slow
 def test_a_real_stack_gives_the_curve_found_independently(capfd, tmp_path, development_data):
     stack = development_data / "stacks" / "canon_5d_corridor"

@@ -35,6 +35,9 @@ MAX_RESIDUAL = 0.15
 MIN_KEPT = 0.6  # share of the points that Tukey's biweight keeps: at less, most of the scene moved
 _FLOOR = 0.02  # [stop] deviation of the curves that passed, beyond what halves and smoothness tell
 _GUESSED = 0.3  # of the stops from the brightest point to white, which known responses bridge
+# [stop] Standard deviation of two channels' light above this code, up to which they are alike: of
+# one curve 0.007 at most, of responses whose channels differ 0.02 to 0.4.
+_ALIKE, _ALIKE_FROM = 0.05, 0.25
 _STRETCH = 0.015  # of all stops: how far the camera's times may be stretched as a whole
 
 
@@ -196,18 +199,36 @@ def _seen(codes: Float, clear: Bool) -> list[tuple[float, float]]:
 
 
 def _curve(fit: ExposureFit, seen: list[tuple[float, float]]) -> InverseCRF:
-    """Where points lie, what they say; below and above, as the nearest known response goes on."""
-    model, grid = dorf_model(), np.arange(CODES) / 255.0
-    rows = []
+    """Where points lie, what they say; below and above, as known responses go on.
+
+    How a channel goes on to white decides all of its light beside the others'. So one that is like
+    the channel that is seen highest goes on as that one does; others as the known response does
+    that is nearest to them.
+    """
+    model = dorf_model()
+    rows, known, insides = [], [], []
     for light, (low, high) in zip(fit.light, seen, strict=True):
-        own = np.interp(model.grid, grid, np.maximum.accumulate(np.exp2(light)))
+        own = np.interp(model.grid, np.arange(CODES) / 255.0, np.maximum.accumulate(np.exp2(light)))
         inside = (model.grid >= low / 255.0) & (model.grid <= high / 255.0)
-        known = continued(own, inside, model)
-        first, last = np.flatnonzero(inside)[[0, -1]]
-        own[:first] = known[:first] * own[first] / known[first]
-        own[last:] = known[last:] * own[last] / known[last]
-        rows.append((own - own[0]) / (own[-1] - own[0]))
-    return inverse_crf(model.grid, np.array(rows))
+        known.append(continued(own, inside, model))
+        first = int(np.argmax(inside))
+        own[:first] = known[-1][:first] * own[first] / known[-1][first]
+        rows.append(own)
+        insides.append(inside)
+    highest = int(np.argmax([high for _, high in seen]))
+    guide = _going_on(rows[highest], known[highest], insides[highest])
+    for channel, inside in enumerate(insides):
+        both = inside & insides[highest] & (model.grid > _ALIKE_FROM)
+        apart = np.log2(rows[channel][both] / guide[both])
+        alike = apart.size > 0 and float(apart.std()) < _ALIKE
+        rows[channel] = _going_on(rows[channel], guide if alike else known[channel], inside)
+    return inverse_crf(model.grid, np.array([(own - own[0]) / (own[-1] - own[0]) for own in rows]))
+
+
+def _going_on(own: Float, other: Float, inside: Bool) -> Float:
+    """As far as points lie its own, above it in proportion to another curve."""
+    last = int(np.flatnonzero(inside)[-1])
+    return np.concatenate([own[:last], other[last:] * own[last] / other[last]])
 
 
 def _log_difference(one: InverseCRF, other: InverseCRF) -> Float:
