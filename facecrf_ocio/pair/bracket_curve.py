@@ -206,7 +206,8 @@ def _curve(fit: ExposureFit, seen: list[tuple[float, float]]) -> InverseCRF:
     that is nearest to them.
     """
     model = dorf_model()
-    rows, known, insides = [], [], []
+    rows: list[Float] = []
+    known, insides = [], []
     for light, (low, high) in zip(fit.light, seen, strict=True):
         own = np.interp(model.grid, np.arange(CODES) / 255.0, np.maximum.accumulate(np.exp2(light)))
         inside = (model.grid >= low / 255.0) & (model.grid <= high / 255.0)
