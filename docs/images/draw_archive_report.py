@@ -91,6 +91,7 @@ def shoot(page: Path) -> None:
 
 
 def main(archive: Path) -> None:
+    """Make the archive in a folder, and the picture of its report."""
     photos, luts = archive / "photos", archive / "luts"
     fill(photos)
     facecrf = [sys.executable, "-c", "from facecrf_ocio.cli.facecrf import main; main()"]
