@@ -27,6 +27,12 @@ def one_after_another(
     codes: np.ndarray, mask: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Histograms, pairs and lags of the size as stored."""
+    histograms, signs, levels = each_pixel(codes, mask)
+    return histograms, *beside_each_other(signs, levels)
+
+
+def each_pixel(codes: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Histograms, signs of second differences, and levels."""
     height, width, _ = codes.shape
     signs = np.zeros((height, width, 3), int)
     levels = np.zeros((height, width, 3), int)
@@ -43,6 +49,12 @@ def one_after_another(
                     signs[row, column, channel] = np.sign(second)
                     place = np.searchsorted(RESIDUES, abs(second), side="right") - 1
                     histograms[channel, level, place] += 1
+    return histograms, signs, levels
+
+
+def beside_each_other(signs: np.ndarray, levels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How often signs agree and differ: between channels, and between neighbors."""
+    height, width, _ = signs.shape
     pairs, lags = np.zeros((3, 2, LEVELS)), np.zeros((len(LAGS), 2, LEVELS))
     for row in range(height):
         for column in range(width):
@@ -55,7 +67,7 @@ def one_after_another(
                     if row + down < height and column + right < width:
                         product = here[1] * signs[row + down, column + right, 1]
                         lags[number, :, level] += (product > 0, product < 0)
-    return histograms, pairs, lags
+    return pairs, lags
 
 
 @settings(max_examples=20, deadline=None)
