@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ from facecrf_ocio.lut.format_table import LutFormat, format_of
 from facecrf_ocio.lut.ocio_processor import RefusedError, exact_cpu, ocio_processor
 from facecrf_ocio.lut.table import LUT_LENGTH
 from facecrf_ocio.lut.transform import LutTransform, expected
-from facecrf_ocio.values import Float, InverseCRF
+from facecrf_ocio.values import Float, InverseCRF, frozen
 
 TOLERANCE = 1e-6  # [linear] a few steps of single precision at white
 # OCIO finds the place between two entries in float32: near white, to half a unit of 2**-23.
@@ -54,15 +54,14 @@ def require_transform(
     given = places
     if transform.encodes and transform.matrix is not None:
         given = (places @ transform.matrix.T).astype(np.float32)
-    found: Float = _read_through_ocio(path, row, given, name).astype(np.float64)
+    found: Float = _read_through_ocio(path, row, given, name).T.astype(np.float64, order="C")
     if not transform.encodes and transform.matrix is not None:
-        found = np.linalg.solve(transform.matrix, found.T).T
+        found = np.linalg.solve(transform.matrix, found)
         tolerance *= _gain(np.linalg.inv(transform.matrix))
     elif row.profile:
         # It goes on to XYZ; what black and the three primaries become is the way back.
-        found = np.linalg.solve(
-            _read_through_ocio(path, row, np.eye(3, dtype=np.float32), name).T, found.T
-        ).T
+        primaries = _read_through_ocio(path, row, np.eye(3, dtype=np.float32), name)
+        found = np.linalg.solve(primaries.T, found)
         tolerance *= 20.0  # entries are rounded to 1/65535, the colorants' inverse is near 3
     resolution = _CODE_RESOLUTION
     if transform.encodes and transform.matrix is not None:
@@ -76,11 +75,12 @@ def require_transform(
         )
 
 
+@cache
 def _places() -> npt.NDArray[np.float32]:
     """Return gray input (N, 3): the table's entries and all 16-bit codes."""
     lengths = (LUT_LENGTH, 65536)
     codes = np.concatenate([np.linspace(0.0, 1.0, n, dtype=np.float32) for n in lengths])
-    return np.repeat(codes[:, None], 3, axis=1)
+    return frozen(np.repeat(codes[:, None], 3, axis=1), np.float32)
 
 
 def _gain(matrix: Float) -> float:
@@ -105,16 +105,17 @@ def _read_through_ocio(
 def _bounds(
     curve: InverseCRF, direction: str, encoding: Encoding, resolution: float
 ) -> tuple[Float, Float]:
-    """(N, 3) least and greatest of what a format holds, as seen within the code resolution."""
+    """(C, N) least and greatest of what a format holds, as seen within the code resolution.
+
+    Of one channel where the others are like it.
+    """
     nodes, values = expected(LutTransform(curve, direction), encoding)
     at = _places()[:, 0].astype(np.float64)
     spans = [
         [np.interp(at + shift, nodes[c], values[c]) for shift in (-resolution, resolution)]
         for c in range(_different(nodes, values))
     ]
-    low, high = (
-        np.broadcast_to(np.transpose(ends), (at.size, 3)) for ends in zip(*spans, strict=True)
-    )
+    low, high = (np.array(ends) for ends in zip(*spans, strict=True))
     return low, high
 
 
@@ -125,6 +126,6 @@ def _different(nodes: Float, values: Float) -> int:
 
 
 def _worst_error(found: Float, low: Float, high: Float) -> float:
-    """Return by how much (N, 3) `found` leaves its bounds."""
+    """Return by how much (3, N) `found` leaves its bounds."""
     # NaN must not pass: np.max keeps it, and the caller's comparison refuses it.
     return float(np.max([0.0, np.max(low - found), np.max(found - high)]))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 import numpy.typing as npt
 
@@ -41,6 +43,7 @@ def lut_table(curve: InverseCRF) -> npt.NDArray[np.float32]:
     return table
 
 
+@lru_cache(maxsize=1)  # the formats of one photo hold the same rows, one after the other
 def table_rows(curve: InverseCRF) -> str:
     """Write a curve's LUT as one line "R G B" per entry."""
     return rows_of(lut_table(curve))

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from facecrf_ocio.color.working_space import working_space_matrix
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.lut.encoding import Encoding
-from facecrf_ocio.lut.table import LUT_LENGTH, lut_table, resample, rows_of
+from facecrf_ocio.lut.table import LUT_LENGTH, lut_table, resample, rows_of, table_rows
 from facecrf_ocio.values import Float, InverseCRF, Primaries
 
 DIRECTIONS = ("linearize", "encode")
@@ -73,10 +73,9 @@ def encode_table(curve: InverseCRF, nodes: Float) -> npt.NDArray[np.float32]:
 
 def uniform_rows(transform: LutTransform) -> tuple[int, str]:
     """Return length and rows "R G B" of the table over [0, 1] of formats that know no other."""
-    if transform.encodes:
-        table = encode_table(transform.curve, encode_nodes(half_domain=False))
-    else:
-        table = lut_table(transform.curve)
+    if not transform.encodes:
+        return LUT_LENGTH, table_rows(transform.curve)
+    table = encode_table(transform.curve, encode_nodes(half_domain=False))
     return len(table), rows_of(table)
 
 

@@ -113,7 +113,7 @@ def _knots(row: Float) -> npt.NDArray[np.intp]:
         worst = np.maximum.reduceat(error, knots)
         if not (worst > limit).any():
             return knots
-        gap = np.searchsorted(knots, places, side="right") - 1
+        gap = np.repeat(np.arange(knots.size), np.diff(knots, append=row.size))
         candidates = np.flatnonzero((error > limit) & (error == worst[gap]))
         _, first = np.unique(gap[candidates], return_index=True)
         knots = np.union1d(knots, candidates[first])
