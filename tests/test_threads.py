@@ -10,7 +10,7 @@ import cv2
 import pytest
 
 from facecrf_ocio.cli.facecrf import main
-from facecrf_ocio.files.threads import beside, meanwhile, one_opencv_thread, usable_cores
+from facecrf_ocio.files.threads import OtherThread, beside, one_opencv_thread, usable_cores
 
 
 def test_cores_are_those_that_this_process_may_use(monkeypatch):
@@ -47,20 +47,30 @@ def several_threads():
 
 def test_work_begins_before_its_result_is_asked_for(several_threads):
     begun = threading.Event()
-    ask = meanwhile(lambda: begun.set() or threading.get_ident())
-    assert begun.wait(timeout=60)
-    assert ask() != threading.get_ident()
+    with OtherThread() as other:
+        ask = other.begin(lambda: begun.set() or threading.get_ident())
+        assert begun.wait(timeout=60)
+        assert ask() == other.begin(threading.get_ident)() != threading.get_ident()
 
 
 def test_work_is_done_in_this_thread_where_there_is_but_one(several_threads):
-    with one_opencv_thread():
-        ask = meanwhile(threading.get_ident)
-    assert ask() == threading.get_ident()
+    with one_opencv_thread(), OtherThread() as other:
+        assert other.begin(threading.get_ident)() == threading.get_ident()
 
 
 def test_what_fails_in_a_thread_fails_where_it_is_asked_for(several_threads):
-    with pytest.raises(ZeroDivisionError):
-        meanwhile(lambda: 1 // 0)()
+    with pytest.raises(ZeroDivisionError), OtherThread() as other:
+        other.begin(lambda: 1 // 0)()
+
+
+def test_what_is_not_asked_for_is_dropped(several_threads):
+    done, go = [], threading.Event()
+    with OtherThread() as other:
+        first = other.begin(lambda: go.wait(timeout=60))
+        other.begin(lambda: done.append(1))
+    go.set()
+    assert first()
+    assert not done
 
 
 def test_work_beside_other_work_is_done_when_that_is():

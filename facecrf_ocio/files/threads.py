@@ -9,7 +9,10 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    from concurrent.futures import ThreadPoolExecutor
 
 _T = TypeVar("_T")
 
@@ -31,15 +34,30 @@ def limit_to_one_thread() -> None:
     cv2.setNumThreads(1)
 
 
-def meanwhile(work: Callable[[], _T]) -> Callable[[], _T]:
-    """Begin some work in a thread of its own; returns what waits for its result.
+class OtherThread:
+    """A thread beside this one, which does one work after the other until the block ends.
 
-    Where OpenCV is held to one thread, as in the processes of a batch, it is done when its result
-    is asked for.
+    Where OpenCV is held to one thread, as in the processes of a batch, there is none, and each work
+    is done when its result is asked for. What was begun and not asked for by the end is dropped.
     """
-    import cv2  # noqa: PLC0415 - heavy
 
-    return work if cv2.getNumThreads() < 2 else _begun(work)
+    def __init__(self) -> None:
+        import cv2  # noqa: PLC0415 - heavy
+
+        self._pool = _pool() if cv2.getNumThreads() > 1 else None
+
+    def __enter__(self) -> OtherThread:
+        """Return itself."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Let the thread end."""
+        if self._pool is not None:
+            self._pool.shutdown(wait=False, cancel_futures=True)
+
+    def begin(self, work: Callable[[], _T]) -> Callable[[], _T]:
+        """Begin some work when that before is done; returns what waits for its result."""
+        return work if self._pool is None else self._pool.submit(work).result
 
 
 @contextmanager
@@ -58,12 +76,16 @@ def beside(work: Callable[[], object]) -> Iterator[None]:
 
 
 def _begun(work: Callable[[], _T]) -> Callable[[], _T]:
-    from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415 - not for `facecrf --help`
-
-    pool = ThreadPoolExecutor(1)
+    pool = _pool()
     result = pool.submit(work).result
     pool.shutdown(wait=False)
     return result
+
+
+def _pool() -> ThreadPoolExecutor:
+    from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415 - not for `facecrf --help`
+
+    return ThreadPoolExecutor(1)
 
 
 @contextmanager

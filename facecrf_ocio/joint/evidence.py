@@ -18,7 +18,7 @@ from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.face.no_face import lacking_faces
 from facecrf_ocio.face.view import cut_face
-from facecrf_ocio.files.threads import meanwhile
+from facecrf_ocio.files.threads import OtherThread
 from facecrf_ocio.joint.messages import Networks, shipped_networks
 from facecrf_ocio.joint.metadata import modern_leaning, phone_leaning
 from facecrf_ocio.joint.prior import Message
@@ -167,9 +167,14 @@ def observe(photo: Photo, settings: JointSettings) -> Observation | Lacking:
     """Statistics of one photo and its largest face, or why there are none."""
     if photo.grayscale:
         return _colorless(photo)
-    # What needs no face to be found; the networks that find one leave a core free.
-    ask_tone = meanwhile(partial(toned, photo.pixels, settings))
-    count = meanwhile(partial(photo_counts, photo.pixels))
+    # The networks that find a face leave a core free for what needs none to be found.
+    with OtherThread() as other:
+        return _observed(photo, settings, other)
+
+
+def _observed(photo: Photo, settings: JointSettings, other: OtherThread) -> Observation | Lacking:
+    ask_tone = other.begin(partial(toned, photo.pixels, settings))
+    count = other.begin(partial(photo_counts, photo.pixels))
     found = find_faces(photo.pixels, settings, most=1)
     if not found.faces:
         return lacking_faces(found, settings)
@@ -186,7 +191,10 @@ def observe(photo: Photo, settings: JointSettings) -> Observation | Lacking:
     of_face = face_statistics(view, settings)
     if of_face is None:
         return Lacking("the face shows too little skin of one hue", _LARGER)
-    counted = counted_statistics(count(), skin_counts(photo.pixels, view, of_face.skin))
+    of_skin = partial(skin_counts, photo.pixels, view, of_face.skin)
+    count_left = other.begin(partial(of_skin, slice(None, None, 2)))
+    right = of_skin(slice(1, None, 2))
+    counted = counted_statistics(count(), count_left().plus(right))
     return Observation(replace(of_face, by_cue={**counted, **of_face.by_cue}), face, doubt)
 
 

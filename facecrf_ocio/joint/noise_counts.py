@@ -89,6 +89,11 @@ class NoiseCounts:
         for item in fields(self):
             object.__setattr__(self, item.name, frozen(getattr(self, item.name)))
 
+    def plus(self, other: NoiseCounts) -> NoiseCounts:
+        """Counts of both."""
+        names = [item.name for item in fields(self)]
+        return NoiseCounts(*(getattr(self, name) + getattr(other, name) for name in names))
+
 
 def count_noise(
     windows: Sequence[Pixels],

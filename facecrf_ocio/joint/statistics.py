@@ -74,7 +74,9 @@ def photo_counts(pixels: Pixels) -> NoiseCounts:
     return count_noise([pixels[window] for window in photo_windows(*pixels.shape[:2])])
 
 
-def skin_counts(pixels: Pixels, view: FaceView, skin: npt.NDArray[np.bool_]) -> NoiseCounts:
+def skin_counts(
+    pixels: Pixels, view: FaceView, skin: npt.NDArray[np.bool_], part: slice = slice(None)
+) -> NoiseCounts:
     """What the windows of a face hold where they show skin.
 
     Parameters
@@ -83,8 +85,10 @@ def skin_counts(pixels: Pixels, view: FaceView, skin: npt.NDArray[np.bool_]) -> 
         (H, W, 3) the whole photo, encoded or in 8 bits.
     view, skin
         The face cut out of it, and which of its pixels at working size are skin.
+    part
+        Of the windows, for several threads.
     """
-    windows = face_windows(view.face.landmarks_xyz, *pixels.shape[:2])
+    windows = face_windows(view.face.landmarks_xyz, *pixels.shape[:2])[part]
     return count_noise(
         [pixels[window] for window in windows],
         [resampled(skin, view.frame, window) for window in windows],

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any
 
 import cv2
@@ -9,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.checks import encoded_of
+from facecrf_ocio.files.threads import OtherThread
 
 Pixels = npt.NDArray[Any]
 Float32 = npt.NDArray[np.float32]
@@ -66,6 +69,17 @@ def unpremultiplied(color: Float32, alpha: Float32) -> Float32:
     """Divide (H, W, 3) by (H, W) alpha; where alpha is 0 there is nothing to divide."""
     coverage = np.where(alpha > 0, alpha, np.float32(1))
     return np.asarray(color / coverage[..., None], np.float32)
+
+
+def filled(whole: Pixels, bands: Iterable[tuple[slice, Pixels]]) -> Pixels:
+    """Copy bands to their rows of a whole picture, each while the next is read."""
+    with OtherThread() as other:
+        copied: Callable[[], object] = list
+        for rows, band in bands:
+            copied()
+            copied = other.begin(partial(np.copyto, whole[rows], band))
+        copied()
+    return whole
 
 
 def three_channels(image: Pixels) -> Pixels:

@@ -23,7 +23,14 @@ from facecrf_ocio.photo.integrity import COPY_AGAIN, check_file, check_size
 from facecrf_ocio.photo.named_curve import is_other_curve, named_curve
 from facecrf_ocio.photo.orientation import orientation_of, upright
 from facecrf_ocio.photo.picture import PhotoFile, Picture, open_image, open_picture
-from facecrf_ocio.photo.pixels import Pixels, code_values, is_gray, three_channels, unpremultiplied
+from facecrf_ocio.photo.pixels import (
+    Pixels,
+    code_values,
+    filled,
+    is_gray,
+    three_channels,
+    unpremultiplied,
+)
 from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
 from facecrf_ocio.photo.suffixes import HEIF
 from facecrf_ocio.values import Camera, Photo, Primaries, frozen
@@ -211,12 +218,10 @@ def _decode(path: Path, picture: Picture) -> Pixels:
     kind = spec.format.basetype if spec.format.basetype in (oiio.UINT8, oiio.UINT16) else oiio.FLOAT
     if kind == oiio.UINT8 and source.format_name() == "jpeg":
         # Read whole, it would be copied into memory that was never touched: half as long again.
-        whole = np.empty((spec.height, spec.width, spec.nchannels), np.uint8)
-        for rows, band in _bands(path, source, kind):
-            whole[rows] = band
-        return whole
-    codes = source.read_image(picture.page, 0, 0, spec.nchannels, kind)
-    codes = _require_pixels(path, source, codes)
+        shape = spec.height, spec.width, spec.nchannels
+        return filled(np.empty(shape, np.uint8), _bands(path, source, kind))
+    read = source.read_image(picture.page, 0, 0, spec.nchannels, kind)
+    codes = _require_pixels(path, source, read)
     if kind != oiio.UINT8 and spec.get_int_attribute(_PHOTOMETRIC, -1) == _WHITE_IS_ZERO:
         white = 65535 if kind == oiio.UINT16 else 1
         np.subtract(white, codes, out=codes)  # OpenImageIO does so for 8 bits alone
@@ -288,9 +293,6 @@ def _camera(spec: Any) -> Camera:
 
 
 def _one_line(text: str, path: Path) -> str:
-    """First line of a decoder's complaint, without the file's name, which the error has already.
-
-    Nor with that of the copy that a mended JPEG is read from.
-    """
+    """First line of a decoder's complaint, without the names of the file and of a mended copy."""
     first = re.sub(r' *\("[^"]*"\)', "", text.strip().partition("\n")[0])
     return first.replace(f'"{path}"', "it").strip(" .")[:160]
