@@ -72,6 +72,12 @@ class JointSettings(FaceSettings):
         Distinct colors of a picture below which it was made with a palette, which has 256 at most.
     most_flat
         Share of a face's pixels that equal their neighbors, above which it was drawn.
+    sure_roughness
+        Of `few_levels.roughness`, up to which brightness has all its levels; above it, an estimate
+        is never reliable. Four of 549 ordinary photos are above.
+    most_roughness
+        Above which a face is refused, as most posters and palettes of up to 16 levels are; the
+        farthest of those photos has 0.24.
     most_scatter
         [stop] By which a gain map may stray from one curve of brightness; above, places were tone
         mapped unlike each other. A Pixel phone's HDR+ has 0.15; Adobe's maps from single curves
@@ -82,6 +88,8 @@ class JointSettings(FaceSettings):
     sure_chroma: float = 0.01
     fewest_colors: int = 300
     most_flat: float = 0.6
+    sure_roughness: float = 0.18
+    most_roughness: float = 0.35
     most_scatter: float = 0.1
 
     def __post_init__(self) -> None:

@@ -19,6 +19,7 @@ from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.face.no_face import lacking_faces
 from facecrf_ocio.face.view import cut_face
 from facecrf_ocio.files.threads import OtherThread
+from facecrf_ocio.joint.few_levels import few_levels
 from facecrf_ocio.joint.messages import Networks, shipped_networks
 from facecrf_ocio.joint.metadata import modern_leaning, phone_leaning
 from facecrf_ocio.joint.prior import Message
@@ -182,9 +183,11 @@ def _observed(photo: Photo, settings: JointSettings, other: OtherThread) -> Obse
     unfit = no_photograph(photo.pixels, face.box_xy, settings)
     if unfit is not None:
         return unfit
-    doubt = ask_tone()
-    if isinstance(doubt, Lacking):
-        return doubt
+    doubts = []
+    for found_out in (few_levels(photo.pixels, face.box_xy, settings), ask_tone()):
+        if isinstance(found_out, Lacking):
+            return found_out
+        doubts += [found_out] if found_out else []
     # The networks know 8-bit photos: rounding is part of the noise they learned from.
     finer = photo.bit_depth != 8
     view = cut_face(photo, face, settings, to_8_bits=finer)
@@ -195,7 +198,8 @@ def _observed(photo: Photo, settings: JointSettings, other: OtherThread) -> Obse
     count_left = other.begin(partial(of_skin, slice(None, None, 2)))
     right = of_skin(slice(1, None, 2))
     counted = counted_statistics(count(), count_left().plus(right))
-    return Observation(replace(of_face, by_cue={**counted, **of_face.by_cue}), face, doubt)
+    of_face = replace(of_face, by_cue={**counted, **of_face.by_cue})
+    return Observation(of_face, face, ", ".join(doubts))
 
 
 def _colorless(photo: Photo) -> Lacking:

@@ -1,0 +1,95 @@
+"""Pictures that keep to few levels of brightness: posters, palettes, drawings, and JPEGs of them.
+
+Light falls on a face in all shades between its brightest and its darkest, so that the histogram of
+a photo's codes is smooth, whatever the camera's curve. Of a picture that was made with few levels
+or colors it is a row of peaks, which a JPEG makes wide and does not join.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from facecrf_ocio.photo.pixels import Pixels, eight_bit
+from facecrf_ocio.settings import JointSettings
+from facecrf_ocio.values import Float, Lacking
+
+_REASON = "brightness keeps to few levels, as in a poster, a palette or a drawing"
+_ORIGINAL = "use the picture as the camera wrote it"
+_MARGIN = 0.15  # share of the box on each side: hair, clothes and what is behind
+_MOST_SIDE = 640  # [px] as large as the faces that limits were chosen on; more cost time alone
+_MEDIAN = 5  # [px] which takes away noise, and a JPEG's rings around edges
+# [codes] Deviations of two blurs of the histogram: the first closes the gaps of a photo whose
+# contrast was raised in 8 bits, the second levels that are 8 to 32 codes apart, and no shading.
+_FINE, _SMOOTH = 1, 5
+_CLIPPED = (8, 247)  # [code of 255] beyond these, much of a photo is at one code
+_ENDS = (0.02, 0.98)  # quantiles between which codes are looked at
+_FEWEST_PIXELS = 500  # some ten for each code
+_FEWEST_CODES = 36  # over fewer, a smooth histogram is not told from peaks
+
+
+def few_levels(pixels: Pixels, box_xy: Float, settings: JointSettings) -> Lacking | str:
+    """Why a face has too few levels to be a photo's; or that it may, empty where it has all.
+
+    Parameters
+    ----------
+    pixels
+        (H, W, 3) code values in [0, 1], or of 8 bits.
+    box_xy
+        (4,) x, y, width, height [px] of the face.
+    """
+    found = roughness(eight_bit(_inside(pixels, box_xy)))
+    if found > settings.most_roughness:
+        return Lacking(f"the face's {_REASON}", _ORIGINAL)
+    return f"its {_REASON}" if found > settings.sure_roughness else ""
+
+
+def roughness(codes: npt.NDArray[np.uint8]) -> float:
+    """By how much of its pixels a histogram departs from a smooth one, [0, 2].
+
+    Of luma, red, green and blue of (h, w, 3) codes, in the mean: the levels of a poster are those
+    of its channels, and of a palette those of its colors. A channel counts as smooth where it has
+    too few pixels, or hardly differs.
+    """
+    luma = cv2.cvtColor(codes, cv2.COLOR_RGB2GRAY)
+    return float(np.mean([_of_channel(channel) for channel in (luma, *cv2.split(codes))]))
+
+
+def _of_channel(channel: Any) -> float:
+    quiet: Any = cv2.medianBlur(channel, _MEDIAN)
+    counts = np.asarray(cv2.calcHist([quiet], [0], None, [256], [0, 256]).ravel(), np.float64)
+    counts[: _CLIPPED[0] + 1] = counts[_CLIPPED[1] :] = 0.0
+    total = counts.sum()
+    if total < _FEWEST_PIXELS:
+        return 0.0
+    low, high = np.searchsorted(np.cumsum(counts) / total, _ENDS)
+    if high - low < _FEWEST_CODES:
+        return 0.0
+    between = counts[low : high + 1]
+    # What the wide blur takes off the one mode of a dim or plain face is put back (twicing).
+    smooth = _blurred(between, _SMOOTH)
+    smooth = 2 * smooth - _blurred(smooth, _SMOOTH)
+    return float(np.abs(_blurred(between, _FINE) - smooth).sum() / between.sum())
+
+
+def _blurred(counts: Float, deviation: int) -> Float:
+    reach = 3 * deviation
+    bell = cv2.getGaussianKernel(2 * reach + 1, deviation).ravel()
+    return np.convolve(np.pad(counts, reach, mode="reflect"), bell, "valid")
+
+
+def _inside(pixels: Pixels, box_xy: Float) -> Pixels:
+    """The middle of a face; of a large one every second pixel, or third, and so on."""
+    left, top, width, height = box_xy.tolist()
+    step = max(1, round(max(width, height) / _MOST_SIDE))
+    rows = _part(top, height, pixels.shape[0], step)
+    columns = _part(left, width, pixels.shape[1], step)
+    return np.ascontiguousarray(pixels[rows, columns])
+
+
+def _part(start: float, length: float, most: int, step: int) -> slice:
+    begin = min(max(int(start + _MARGIN * length), 0), most - 1)
+    return slice(begin, max(int(start + (1 - _MARGIN) * length), begin + 1), step)
