@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copyreg
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
@@ -202,7 +203,8 @@ def span_colors(chromaticities: Sequence[Sequence[float]]) -> bool:
 
 def _refuse_mask(given: object, path: Path | None) -> None:
     """Refuse masked arrays, whose mask NumPy would drop without a word."""
-    if isinstance(given, np.ma.MaskedArray):
+    masked = sys.modules.get("numpy.ma")  # who has a mask has loaded it; it takes a while
+    if masked is not None and isinstance(given, masked.MaskedArray):
         raise PhotoError(
             path,
             "a masked array says nothing of the pixels it hides",

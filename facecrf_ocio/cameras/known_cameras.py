@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import asdict, dataclass
 from functools import cache, lru_cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -70,7 +69,7 @@ class KnownCamera:
 @cache
 def shipped_cameras() -> tuple[KnownCamera, ...]:
     """Those that ship: solved from public exposure stacks by `cameras.fit_known`."""
-    path = Path(str(files("facecrf_ocio.cameras") / "known.json"))
+    path = Path(__file__).parent / "known.json"
     return _parsed(path, path.read_text(encoding="utf-8"))
 
 

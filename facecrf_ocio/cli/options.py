@@ -160,7 +160,7 @@ class Choices:
         from facecrf_ocio.files.versions import versions
 
         if self.estimator in JOINT_NAMES:
-            import numpy.ma  # NumPy imports both when they are first asked for
+            import numpy.ma  # NumPy imports both when a quantile, and noise, are first asked for
             import numpy.random  # noqa: F401
 
             from facecrf_ocio import calibrate as calibrate  # noqa: PLC0414 - loads its module

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import platform
+import re
+import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import cache
 
 from facecrf_ocio import __version__
@@ -38,11 +42,26 @@ def difference(here: Mapping[str, str], there: Mapping[str, str]) -> str:
     return ""
 
 
-@cache  # parsing what was installed costs more than writing the record that tells it
 def _version(distribution: str) -> str:
-    from importlib import metadata  # noqa: PLC0415 - slow, and needed only when a file is written
+    return _installed().get(_normal(distribution), "")
 
-    try:
-        return metadata.version(distribution)
-    except metadata.PackageNotFoundError:
-        return ""
+
+@cache
+def _installed() -> dict[str, str]:
+    """Versions of all that is installed, by the names of the folders that tell of them.
+
+    As `importlib.metadata` finds them, which takes 30 ms to import: a third of a decode.
+    """
+    found: dict[str, str] = {}
+    for place in sys.path:
+        with suppress(OSError):
+            for entry in os.listdir(place or "."):  # noqa: PTH208 - names are all that is wanted
+                name, dash, version = entry.removesuffix(".dist-info").partition("-")
+                if dash and entry.endswith(".dist-info"):
+                    found.setdefault(_normal(name), version)
+    return found
+
+
+def _normal(name: str) -> str:
+    """A name as the folders of what is installed have it (PEP 503, with underscores)."""
+    return re.sub(r"[-_.]+", "_", name).lower()

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -92,7 +91,7 @@ def joint_of(arrays: Mapping[str, Float]) -> JointModel:
 @cache
 def shipped_joint() -> JointModel:
     """The model that ships."""
-    return load_joint(Path(str(files("facecrf_ocio.joint") / "joint_model.npz")))
+    return load_joint(Path(__file__).parent / "joint_model.npz")
 
 
 def conclude(

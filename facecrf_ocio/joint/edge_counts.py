@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import Any
 
 import cv2
@@ -15,7 +14,7 @@ EDGE_LEVELS = 8  # of 32 codes each, not much more than the faintest edge has
 
 _WHITE = 255  # [code value] of 8 bits
 _FAINTEST = 24  # codes between the two sides of an edge
-_FLAT = Fraction(3, 20)  # of that, which the sides themselves may rise by
+_FLAT = 3, 20  # such a part of that, which the sides themselves may rise by
 _RUN = 7  # samples across an edge: both sides, three between them, and one beyond each side
 
 
@@ -54,7 +53,7 @@ def _runs(
     step = np.diff(run, axis=0)
     inner = step[1:5]
     steady = (inner.min(axis=0) >= 0) | (inner.max(axis=0) <= 0)
-    most = rise.ravel()[place].astype(np.int16) * _FLAT.numerator
+    most = rise.ravel()[place].astype(np.int16) * _FLAT[0]
     for beyond in (step[0], step[5]):
-        steady &= np.abs(beyond) * _FLAT.denominator <= most
+        steady &= np.abs(beyond) * _FLAT[1] <= most
     return np.asarray(run.compress(steady, axis=1), np.float32)

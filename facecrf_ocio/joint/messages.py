@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -125,4 +124,4 @@ def _network(arrays: Mapping[str, Float], name: str) -> CueNetwork:
 @cache
 def shipped_networks() -> Networks:
     """The networks that ship."""
-    return networks_of(load_arrays(Path(str(files("facecrf_ocio.joint") / "joint_model.npz"))))
+    return networks_of(load_arrays(Path(__file__).parent / "joint_model.npz"))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -221,4 +220,4 @@ def prior_of(arrays: Mapping[str, Float]) -> FamilyPrior:
 @cache
 def shipped_prior() -> FamilyPrior:
     """The prior that ships, fitted to DoRF and to published modern responses."""
-    return prior_of(load_arrays(Path(str(files("facecrf_ocio.joint") / "joint_model.npz"))))
+    return prior_of(load_arrays(Path(__file__).parent / "joint_model.npz"))

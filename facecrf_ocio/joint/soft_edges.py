@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
 import cv2
@@ -27,11 +26,9 @@ SOFT_SIZES = (1, 2, 4, 8)
 CHANNEL_PAIRS = ((0, 1), (1, 2), (0, 2))
 """Each once."""
 _FAINTEST = 14  # codes between both sides
-_LEAST, _MOST = (
-    Fraction(1, 25),
-    Fraction(9, 20),
-)  # of the rise, in each of its four steps: monotone, and not at once
-_FLAT = Fraction(1, 5)  # of the rise, by which the sides themselves may rise
+# Parts of the rise: in each of its four steps (monotone, and not at once); and by which the sides
+# themselves may rise.
+_LEAST, _MOST, _FLAT = (1, 25), (9, 20), (1, 5)
 _BLACK, _WHITE = 0.5, 254.5  # [code value] below and from which a pixel is clipped
 _LEVEL = 256 // SOFT_LEVELS  # codes
 _APART = 2  # columns, of the finest size alone: neighbors see the same edge, and cost the most
@@ -185,10 +182,10 @@ def _is_soft(step: Sequence[Image] | Image, rise: Image) -> npt.NDArray[np.bool_
     # Of what falls, the same with its sign turned. What does neither has a step of at most 0.
     least, most = np.maximum(least, -most), np.maximum(most, -least)
     rise = np.abs(rise)
-    found = least * _LEAST.denominator >= rise * _LEAST.numerator
-    found &= most * _MOST.denominator <= rise * _MOST.numerator
+    found = least * _LEAST[1] >= rise * _LEAST[0]
+    found &= most * _MOST[1] <= rise * _MOST[0]
     for beyond in (step[0], step[5]):
-        found &= np.abs(beyond) * _FLAT.denominator <= rise * _FLAT.numerator
+        found &= np.abs(beyond) * _FLAT[1] <= rise * _FLAT[0]
     return np.asarray(found)
 
 

@@ -96,8 +96,9 @@ def _few_knots(row: Float) -> npt.NDArray[np.intp] | None:
 
 def _bends(row: Float) -> npt.NDArray[np.intp]:
     """Indices of the ends of (K,), and of those between where it is not linear at all."""
-    inner = np.flatnonzero(np.abs(np.diff(row, 2)) > _STRAIGHT) + 1
-    return np.unique(np.concatenate([[0], inner, [row.size - 1]]))
+    bends = np.ones(row.size, bool)
+    bends[1:-1] = np.abs(np.diff(row, 2)) > _STRAIGHT
+    return np.flatnonzero(bends)
 
 
 def _knots(row: Float) -> npt.NDArray[np.intp]:
@@ -107,7 +108,7 @@ def _knots(row: Float) -> npt.NDArray[np.intp]:
     Peucker 1973, all gaps at a time).
     """
     places, limit = np.arange(row.size), 0.9 * TOLERANCE  # the rest is for rounding
-    knots = np.unique([0, row.size - 1])
+    knots = places[:: max(1, row.size - 1)]
     while True:
         error = np.abs(np.interp(places, knots, row[knots]) - row)
         worst = np.maximum.reduceat(error, knots)
@@ -115,5 +116,5 @@ def _knots(row: Float) -> npt.NDArray[np.intp]:
             return knots
         gap = np.repeat(np.arange(knots.size), np.diff(knots, append=row.size))
         candidates = np.flatnonzero((error > limit) & (error == worst[gap]))
-        _, first = np.unique(gap[candidates], return_index=True)
-        knots = np.union1d(knots, candidates[first])
+        first = np.flatnonzero(np.diff(gap[candidates], prepend=-1))
+        knots = np.sort(np.concatenate([knots, candidates[first]]))

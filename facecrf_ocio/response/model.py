@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -109,4 +108,4 @@ def _orthonormal(rows: Float) -> Float:
 @cache
 def dorf_model() -> ResponseModel:
     """The model that ships: fitted to the 201 DoRF curves by `facecrf_ocio.response.fit_model`."""
-    return load_model(Path(str(files("facecrf_ocio.response") / "dorf_model.npz")))
+    return load_model(Path(__file__).parent / "dorf_model.npz")
