@@ -184,6 +184,7 @@ def fraction_by_zero() -> bytes:
         (iso_numbers([NUMBERS])[:-20], ""),
         (segment(0xE2, b"urn:iso:std:iso:ts:21496:-1\0" + bytes(4) + b"\x40\0"), "cut short"),
         (fraction_by_zero(), "make no sense"),
+        (ultra_hdr_numbers(), "does not say how far it brightens"),
         (xmp(f'apdi:AuxiliaryImageType="{APPLE}"'), "how bright"),
     ],
 )
@@ -204,6 +205,14 @@ def test_a_map_that_is_cut_short_is_set_aside(tmp_path: Path) -> None:
     photo = read_photo(path)
     assert photo.gain_map is None
     assert photo.notes == ("its gain map was set aside: it is cut short",)
+
+
+def test_a_map_that_is_announced_and_missing_is_told(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.jpg", ultra_hdr_numbers(GainMapMax=2))
+    path.write_bytes(path.read_bytes().partition(b"\xff\xd9")[0] + b"\xff\xd9")
+    photo = read_photo(path)
+    assert photo.gain_map is None
+    assert "the gain map that it announces is missing" in " ".join(photo.notes)
 
 
 @pytest.mark.parametrize(

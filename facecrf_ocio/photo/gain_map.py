@@ -6,6 +6,7 @@ Ultra HDR and Adobe describe it in XMP, ISO 21496-1 in bytes, Apple in XMP and m
 from __future__ import annotations
 
 import math
+import re
 import struct
 from collections.abc import Iterator
 from dataclasses import replace
@@ -60,7 +61,16 @@ def jpeg_gain_map(jpeg: JpegParts, orientation: int) -> tuple[GainMap | None, tu
         return None, ("its gain map was set aside: its numbers make no sense",)
     except (GainMapError, ValueError, cv2.error) as error:
         return None, (f"its gain map was set aside: {plain_text(error)}",)
-    return None, ()
+    return None, _missed(jpeg)
+
+
+def _missed(jpeg: JpegParts) -> tuple[str, ...]:
+    """What to say of a map that is announced, and not there or without its numbers."""
+    if any(value_of(xmp_of(b"", one), "hdrgm:Version") for one in _pictures_after(jpeg)):
+        return ("its gain map was set aside: it does not say how far it brightens",)
+    if re.search(r"""Semantic\s*=\s*["']GainMap["']""", xmp_of(b"", jpeg)):
+        return ("the gain map that it announces is missing: cut off, or left out by a program",)
+    return ()
 
 
 def _pictures_after(jpeg: JpegParts) -> Iterator[JpegParts]:
