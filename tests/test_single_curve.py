@@ -24,6 +24,7 @@ from facecrf_ocio.joint.single_curve import (
     gain_scatter,
     middle_codes,
     no_photograph,
+    strange_skin,
     toned,
 )
 from facecrf_ocio.photo.edits import edits_told
@@ -115,6 +116,18 @@ def test_a_drawn_face() -> None:
     unfit = no_photograph(picture, FACE, DEFAULTS)
     assert unfit is not None
     assert "drawn" in unfit.reason
+
+
+def test_skin_that_is_more_blue_than_red_is_told() -> None:
+    photo = np.array(grace_hopper())
+    assert gather(Photo(photo)).doubt == ""
+    swapped = gather(Photo(np.ascontiguousarray(photo[..., ::-1])))
+    assert "more blue than red" in swapped.doubt
+    confidence = conclude([replace(swapped, messages=surely(swapped))]).confidence
+    assert confidence.verdict is Verdict.WEAK
+    assert "negative" in strange_skin(1 - photo, FACE)
+    assert strange_skin(photo * np.float32([0.7, 1.0, 1.0]), FACE) == ""
+    assert strange_skin(np.zeros_like(photo), FACE) == ""
 
 
 def test_calibrate_says_what_is_wrong() -> None:

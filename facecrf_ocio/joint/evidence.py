@@ -23,7 +23,7 @@ from facecrf_ocio.joint.few_levels import few_levels
 from facecrf_ocio.joint.messages import Networks, shipped_networks
 from facecrf_ocio.joint.metadata import modern_leaning, phone_leaning
 from facecrf_ocio.joint.prior import Message
-from facecrf_ocio.joint.single_curve import no_photograph, toned
+from facecrf_ocio.joint.single_curve import no_photograph, strange_skin, toned
 from facecrf_ocio.joint.statistics import (
     Statistics,
     counted_statistics,
@@ -183,7 +183,7 @@ def _observed(photo: Photo, settings: JointSettings, other: OtherThread) -> Obse
     unfit = no_photograph(photo.pixels, face.box_xy, settings)
     if unfit is not None:
         return unfit
-    doubts = []
+    doubts = list(filter(None, [strange_skin(photo.pixels, face.box_xy)]))
     for found_out in (few_levels(photo.pixels, face.box_xy, settings), ask_tone()):
         if isinstance(found_out, Lacking):
             return found_out

@@ -41,7 +41,7 @@ def few_levels(pixels: Pixels, box_xy: Float, settings: JointSettings) -> Lackin
     box_xy
         (4,) x, y, width, height [px] of the face.
     """
-    found = roughness(eight_bit(_inside(pixels, box_xy)))
+    found = roughness(eight_bit(inside_face(pixels, box_xy)))
     if found > settings.most_roughness:
         return Lacking(f"the face's {_REASON}", _ORIGINAL)
     return f"its {_REASON}" if found > settings.sure_roughness else ""
@@ -81,7 +81,7 @@ def _blurred(counts: Float, deviation: int) -> Float:
     return np.convolve(np.pad(counts, reach, mode="reflect"), bell, "valid")
 
 
-def _inside(pixels: Pixels, box_xy: Float) -> Pixels:
+def inside_face(pixels: Pixels, box_xy: Float) -> Pixels:
     """The middle of a face; of a large one every second pixel, or third, and so on."""
     left, top, width, height = box_xy.tolist()
     step = max(1, round(max(width, height) / _MOST_SIDE))

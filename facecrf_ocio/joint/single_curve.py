@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from facecrf_ocio.joint.few_levels import inside_face
 from facecrf_ocio.photo.pixels import Pixels, code_values, eight_bit
 from facecrf_ocio.settings import JointSettings
 from facecrf_ocio.values import Bool, Float, Lacking, Photo
@@ -30,6 +31,8 @@ _RIDGE = 1e-2  # [px] holds the spline at 0 where no pixel has that brightness
 _NEAR, _FAR, _LEAST_FAR = 0.0115, 0.0457, 16
 _LUMA = np.array([0.299, 0.587, 0.114])  # ITU-R BT.601, as JPEG has it
 _ROUNDING = 0.05  # [code^2] of color that varies by nothing but rounding
+_EVERY = 4  # [px] a sixteenth of a face's pixels has the same median
+_LEAST_RED = 0.85  # of blue, in codes, which 4 of 549 ordinary photos have not
 _CLIPPED = (4, 251)  # [code of 255] beyond these, noise and color are cut off
 _FEWEST_PIXELS = 1024  # as many as 32 by 32, of which a share is certain to 2 %
 _ORIGINAL = "use the picture as the camera wrote it"
@@ -68,6 +71,19 @@ def toned(pixels: Pixels, settings: JointSettings) -> Lacking | str:
     if share < settings.least_chroma:
         return Lacking("the photo has one hue: no pigments to look at", _ORIGINAL)
     return "" if share > settings.sure_chroma else "it has hardly more than one hue"
+
+
+def strange_skin(pixels: Pixels, box_xy: Float) -> str:
+    """Why a face has nobody's color, in a clause; empty where it may be somebody's.
+
+    Blood makes skin red under any light that is taken for white. In a negative it is blue, and
+    where a program took red for blue.
+    """
+    some = inside_face(pixels, box_xy)[::_EVERY, ::_EVERY].reshape(-1, 3)
+    red, _, blue = np.median(some, axis=0)
+    if red >= _LEAST_RED * blue:
+        return ""
+    return "the face is more blue than red, as in a negative or with channels swapped"
 
 
 def gain_scatter(photo: Photo) -> float:
