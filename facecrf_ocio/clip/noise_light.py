@@ -20,10 +20,11 @@ from facecrf_ocio.values import Float
 _FEWEST = 6  # levels that tell a slope
 # An encoder that drops fine structure leaves what its steps say and not what light says: then
 # little of the finest is left, or a share that changes with the level. Left are 0.31 to 0.49 in
-# JPEGs of quality 90 on three faces, 0.57 to 0.89 in H.264 of 0.8 bits a pixel, 0.55 to 0.60 behind
-# a blur of 0.6 pixels, 0.95 and more where nothing was done; the share's logarithm strays by up to
-# 0.21 in JPEGs, by 0.14 at most in the others.
-_KEPT, _STEADY = 0.5, 0.2
+# JPEGs of quality 90 on three faces, 0.44 to 0.5 in H.264 of 0.17 bits a pixel (where it made one
+# clip worse, 1.3 of a frame's error), 0.57 to 0.89 in H.264 of 0.8 bits, 0.55 to 0.60 behind a blur
+# of 0.6 pixels, 0.95 and more where nothing was done; the share's logarithm strays by up to 0.21 in
+# JPEGs, by 0.14 at most in the others.
+_KEPT, _STEADY = 0.55, 0.2
 # [standard deviation a coefficient] by which noise may contradict faces. A camera that denoises by
 # edges and over time bends noise against level: 1.0; of 18 clips without, 15 are below 0.6.
 _AGREED = 0.6
