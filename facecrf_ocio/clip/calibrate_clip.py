@@ -33,7 +33,10 @@ _Concluded = Callable[..., Estimate]  # `conclude`, told of the prior and the mo
 
 FRAMES = 12  # more tell hardly more: their errors are alike
 CORRELATION = 0.95
-"""Of the errors of any two frames of one face in one light, by `examples/measure_clips`."""
+"""Of the errors of any two frames of one face in one light, by `examples/measure_clips` on 35 clips
+of four faces and 10 of three others: where exposure stays 0.90 to 1.0, however far frames are
+apart; where it moves by 1.5 stops 0.55 to 0.99 in rows of four. That of fixed exposure is used, so
+that no band is too narrow."""
 
 _LEAST_STOPS = 0.3  # [stop] of exposures that tell anything of the curve
 _SAME_SHOT = 0.5  # correlation of the brightness ranks of thumbnails, 32 x 18
