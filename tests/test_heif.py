@@ -63,6 +63,13 @@ def test_a_damaged_heic(tmp_path: Path) -> None:
         read_photo(path)
 
 
+def test_a_heic_whose_image_has_no_decoder(tmp_path: Path) -> None:
+    path = write_heic(tmp_path / "a.heic")
+    path.write_bytes(path.read_bytes().replace(b"hvcC", b"hvcN"))
+    with pytest.raises(PhotoError, match="cut short or damaged"):
+        read_photo(path)
+
+
 def test_without_the_extra_one_line_names_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

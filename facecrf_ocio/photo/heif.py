@@ -29,7 +29,8 @@ from facecrf_ocio.photo.tone_map_item import ToneMap, tone_map_item
 from facecrf_ocio.values import GainMap, Photo, frozen
 
 INSTALL = "install the extra (pip install 'facecrf-ocio[heif]'), or convert it to JPEG or TIFF"
-_DAMAGE = (RuntimeError, ValueError, EOFError, OSError, SyntaxError)
+# What decoders raise; the last one of a file in which pillow-heif finds no image.
+_DAMAGE = (RuntimeError, ValueError, EOFError, OSError, SyntaxError, IndexError)
 _AVIF = (b"avif", b"avis")
 _GAIN_MAP = ":aux:hdrgainmap"  # ends the names that Apple and Samsung give it
 
