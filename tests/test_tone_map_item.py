@@ -81,6 +81,7 @@ def numbers(content: bytes) -> bytes:
 
 def decoded(*names: str):
     """What pillow-heif gives of a file with such auxiliary images."""
+    pytest.importorskip("pillow_heif", reason="needs the extra heif")
     return SimpleNamespace(
         info={"aux": {name: [7] for name in names}}, get_aux_image=lambda _: VALUES, size=(8, 8)
     )
