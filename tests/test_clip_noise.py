@@ -5,7 +5,10 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import pytest
+from archive_photos import linear_face
 
+from facecrf_ocio.clip.calibrate_clip import calibrate_clip
+from facecrf_ocio.clip.clip_source import open_clip
 from facecrf_ocio.clip.frame_noise import noise_levels
 from facecrf_ocio.clip.noise_light import add_noise
 from facecrf_ocio.joint import shipped_joint
@@ -103,3 +106,23 @@ def test_texture_is_no_noise():
     true = 255.0**2 * (levels.codes @ weights) / ELECTRONS + weights.sum() / 12.0
     assert levels.variance == pytest.approx(true, rel=0.1)
     assert cv2.absdiff(*shown).mean() * 255.0 < 2.0
+
+
+@pytest.mark.slow
+def test_a_sequence_tells_by_its_noise_unless_it_is_of_jpegs(tmp_path):
+    """JPEG's steps bend noise against level, and do not always show in its structure."""
+    light = cv2.resize(linear_face(3), None, fx=3.0, fy=3.0, interpolation=cv2.INTER_CUBIC)
+    generator = np.random.default_rng(4)
+    told = {}
+    for suffix in ("png", "jpg"):
+        for number in range(3):
+            seen = np.clip(np.roll(light, 2 * number, axis=1), 0.0, 1.0)
+            deviation = np.sqrt(seen / ELECTRONS + (READING / ELECTRONS) ** 2)
+            noisy = seen + deviation * generator.standard_normal(seen.shape)
+            codes = np.rint(255.0 * np.clip(noisy, 0.0, 1.0) ** (1.0 / 2.2)).astype(np.uint8)
+            path = tmp_path / suffix / f"frame.{number + 1:04d}.{suffix}"
+            path.parent.mkdir(exist_ok=True)
+            quality = [cv2.IMWRITE_JPEG_QUALITY, 100] if suffix == "jpg" else []
+            cv2.imwrite(str(path), codes[..., ::-1], quality)
+        told[suffix] = calibrate_clip(open_clip(tmp_path / suffix), frames=2).noise_told
+    assert told == {"png": True, "jpg": False}
