@@ -183,15 +183,16 @@ def _observed(photo: Photo, settings: JointSettings, other: OtherThread) -> Obse
     unfit = no_photograph(photo.pixels, face.box_xy, settings)
     if unfit is not None:
         return unfit
-    doubts = list(filter(None, [strange_skin(photo.pixels, face.box_xy)]))
-    for found_out in (few_levels(photo.pixels, face.box_xy, settings), ask_tone()):
-        if isinstance(found_out, Lacking):
-            return found_out
-        doubts += [found_out] if found_out else []
+    ask_levels = other.begin(partial(few_levels, photo.pixels, face.box_xy, settings))
     # The networks know 8-bit photos: rounding is part of the noise they learned from.
     finer = photo.bit_depth != 8
     view = cut_face(photo, face, settings, to_8_bits=finer)
     of_face = face_statistics(view, settings)
+    doubts = list(filter(None, [strange_skin(photo.pixels, face.box_xy)]))
+    for found_out in (ask_levels(), ask_tone()):
+        if isinstance(found_out, Lacking):
+            return found_out
+        doubts += [found_out] if found_out else []
     if of_face is None:
         return Lacking("the face shows too little skin of one hue", _LARGER)
     of_skin = partial(skin_counts, photo.pixels, view, of_face.skin)
