@@ -18,7 +18,8 @@ from facecrf_ocio.settings import JointSettings
 from facecrf_ocio.values import Float, Lacking
 
 _REASON = "brightness keeps to few levels, as in a poster, a palette or a drawing"
-_ORIGINAL = "use the picture as the camera wrote it"
+ORIGINAL = "use the picture as the camera wrote it"
+"""What to do about a picture that was made into something else."""
 _MARGIN = 0.15  # share of the box on each side: hair, clothes and what is behind
 _MOST_SIDE = 640  # [px] as large as the faces that limits were chosen on; more cost time alone
 _MEDIAN = 5  # [px] which takes away noise, and a JPEG's rings around edges
@@ -41,9 +42,9 @@ def few_levels(pixels: Pixels, box_xy: Float, settings: JointSettings) -> Lackin
     box_xy
         (4,) x, y, width, height [px] of the face.
     """
-    found = roughness(eight_bit(inside_face(pixels, box_xy)))
+    found = roughness(eight_bit(np.ascontiguousarray(inside_face(pixels, box_xy))))
     if found > settings.most_roughness:
-        return Lacking(f"the face's {_REASON}", _ORIGINAL)
+        return Lacking(f"the face's {_REASON}", ORIGINAL)
     return f"its {_REASON}" if found > settings.sure_roughness else ""
 
 
@@ -87,7 +88,7 @@ def inside_face(pixels: Pixels, box_xy: Float) -> Pixels:
     step = max(1, round(max(width, height) / _MOST_SIDE))
     rows = _part(top, height, pixels.shape[0], step)
     columns = _part(left, width, pixels.shape[1], step)
-    return np.ascontiguousarray(pixels[rows, columns])
+    return pixels[rows, columns]
 
 
 def _part(start: float, length: float, most: int, step: int) -> slice:

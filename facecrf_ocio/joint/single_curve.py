@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.joint.few_levels import inside_face
+from facecrf_ocio.joint.few_levels import ORIGINAL, inside_face
 from facecrf_ocio.photo.pixels import Pixels, code_values, eight_bit
 from facecrf_ocio.settings import JointSettings
 from facecrf_ocio.values import Bool, Float, Lacking, Photo
@@ -35,7 +35,6 @@ _EVERY = 4  # [px] a sixteenth of a face's pixels has the same median
 _LEAST_RED = 0.85  # of blue, in codes, which 4 of 549 ordinary photos have not
 _CLIPPED = (4, 251)  # [code of 255] beyond these, noise and color are cut off
 _FEWEST_PIXELS = 1024  # as many as 32 by 32, of which a share is certain to 2 %
-_ORIGINAL = "use the picture as the camera wrote it"
 
 
 def no_photograph(pixels: Pixels, box_xy: Float, settings: JointSettings) -> Lacking | None:
@@ -51,11 +50,11 @@ def no_photograph(pixels: Pixels, box_xy: Float, settings: JointSettings) -> Lac
     if pixels.shape[0] * pixels.shape[1] < _FEWEST_PIXELS:
         return None
     if has_few_colors(middle_codes(pixels), settings.fewest_colors):
-        return Lacking("the picture has the few colors of a palette", _ORIGINAL)
+        return Lacking("the picture has the few colors of a palette", ORIGINAL)
     left, top = (max(int(edge), 0) for edge in box_xy[:2])
     right, bottom = (int(edge) for edge in box_xy[:2] + box_xy[2:])
     if flat_share(middle_codes(pixels[top:bottom, left:right])) > settings.most_flat:
-        return Lacking("the face is drawn: most of its pixels equal their neighbors", _ORIGINAL)
+        return Lacking("the face is drawn: most of its pixels equal their neighbors", ORIGINAL)
     return None
 
 
@@ -69,7 +68,7 @@ def toned(pixels: Pixels, settings: JointSettings) -> Lacking | str:
     """
     share = chroma_share(pixels)
     if share < settings.least_chroma:
-        return Lacking("the photo has one hue: no pigments to look at", _ORIGINAL)
+        return Lacking("the photo has one hue: no pigments to look at", ORIGINAL)
     return "" if share > settings.sure_chroma else "it has hardly more than one hue"
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from facecrf_ocio.archive.cameras.bracket import Exposure, stops_of
 from facecrf_ocio.archive.manifest.camera_rows import different_photos, exposed_photos
 from facecrf_ocio.archive.manifest.database import Manifest
+from facecrf_ocio.archive.task import Recipe
 from facecrf_ocio.archive.walk import as_utf8
 from facecrf_ocio.joint import PhotoEvidence, conclude
 from facecrf_ocio.pair.bracket_curve import (
@@ -51,7 +52,7 @@ class CameraCurve:
 
 
 def conclude_camera(
-    manifest: Manifest, key: str, recipe_sha256: str, prior: str, *, shared: bool = False
+    manifest: Manifest, key: str, recipe_sha256: str, recipe: Recipe
 ) -> CameraCurve:
     """One curve from the evidence of a camera's photos, each content counted once."""
     chosen = []
@@ -65,7 +66,9 @@ def conclude_camera(
         return CameraCurve(None, 0, "")
     chosen.sort(key=lambda item: item[0])
     names = [as_utf8(name) for name, _ in chosen]
-    estimate = conclude([evidence for _, evidence in chosen], prior, names=names, shared=shared)
+    shared = recipe.settings.shared_curve
+    evidences = [evidence for _, evidence in chosen]
+    estimate = conclude(evidences, recipe.prior, names=names, shared=shared)
     estimate = replace(estimate, faces=())
     return CameraCurve(estimate, len(chosen), estimate_sha256(estimate))
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 
 from facecrf_ocio.archive.cameras.bracket import Exposure, find_brackets
 from facecrf_ocio.archive.cameras.camera_group import (
@@ -63,25 +62,19 @@ def settle(manifest: Manifest, recipe_sha256: str, recipe: Recipe, reopened: Reo
         Called with the name and the former result of a photo that was done and must be written
         again.
     """
-    shared = recipe.settings.shared_curve
-    conclude = partial(conclude_camera, prior=recipe.prior, shared=shared)
     for key in camera_keys(manifest, recipe_sha256):
         with understanding(manifest.path):
-            _settle_camera(manifest, key, recipe_sha256, reopened, conclude)
+            _settle_camera(manifest, key, recipe_sha256, recipe, reopened)
     forget_empty_cameras(manifest)
 
 
 def _settle_camera(
-    manifest: Manifest,
-    key: str,
-    recipe_sha256: str,
-    reopened: Reopened,
-    conclude: Callable[[Manifest, str, str], CameraCurve],
+    manifest: Manifest, key: str, recipe_sha256: str, recipe: Recipe, reopened: Reopened
 ) -> None:
     basis, count, alone = _basis(manifest, key, recipe_sha256)
     former, digest = former_curve(manifest, key)
     if former != basis or has_unassigned(manifest, key, recipe_sha256):
-        curve = conclude(manifest, key, recipe_sha256)
+        curve = conclude_camera(manifest, key, recipe_sha256, recipe)
         with manifest.transaction():
             camera = _Camera(manifest, key, recipe_sha256, curve, alone, digest, reopened)
             camera.record(basis, count)

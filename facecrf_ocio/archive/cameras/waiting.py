@@ -83,10 +83,7 @@ class Desk:
 
     def _conclude(self) -> Estimate | None:
         recipe = self.like.recipe
-        shared = recipe.settings.shared_curve
-        return conclude_camera(
-            self.manifest, self.key, self.digest, recipe.prior, shared=shared
-        ).estimate
+        return conclude_camera(self.manifest, self.key, self.digest, recipe).estimate
 
     def _solve(self, bracket: str) -> Estimate:
         members = tuple(exposures(self.manifest, self.key, self.digest, bracket))
