@@ -15,6 +15,7 @@ from facecrf_ocio.calibrate import calibrate
 from facecrf_ocio.clip.calibrate_clip import _drift, calibrate_clip
 from facecrf_ocio.clip.clip_source import open_clip
 from facecrf_ocio.clip.exr_sequence import timecode, write_sequence
+from facecrf_ocio.clip.video import open_video
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.image.exr_header import packed
 from facecrf_ocio.synthetic import encode, gamma_curve
@@ -304,3 +305,9 @@ def test_a_compressed_clip_with_moving_exposure_gives_its_curve_and_frames(capfd
     (tmp_path / "out" / "take.mp4.exr" / "take.mp4.0005.exr").unlink()
     again = CommandLine(capfd)(*command, "--formats", "spi1d")
     assert "12 frames, 11 of them there already" in again.out
+
+
+def test_a_video_that_cannot_be_opened_is_told_as_that(tmp_path):
+    pytest.importorskip("av", reason="needs the extra video")
+    with pytest.raises(PhotoError, match=r"is no video that can be read .*No such file"):
+        open_video(tmp_path / "gone.mp4")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -78,7 +79,8 @@ def open_video(path: Path) -> Clip:
 
 
 def _unreadable(path: Path, error: Exception) -> PhotoError:
-    with path.open("rb") as file:
+    kind = b""
+    with suppress(OSError), path.open("rb") as file:  # what cannot be opened has its own error
         kind = file.read(8)[4:]
     if kind in (b"ftyp", b"mdat", b"wide"):
         problem = (
