@@ -6,10 +6,12 @@ import cv2
 import numpy as np
 import pytest
 from archive_photos import linear_face
+from PIL import Image
 
 from facecrf_ocio.clip.calibrate_clip import calibrate_clip
 from facecrf_ocio.clip.clip_source import open_clip
 from facecrf_ocio.clip.frame_noise import noise_levels
+from facecrf_ocio.clip.jpeg_frames import holds_jpeg
 from facecrf_ocio.clip.noise_light import add_noise
 from facecrf_ocio.joint import shipped_joint
 from facecrf_ocio.joint.prior import Posterior
@@ -108,21 +110,55 @@ def test_texture_is_no_noise():
     assert cv2.absdiff(*shown).mean() * 255.0 < 2.0
 
 
+@pytest.mark.parametrize(
+    ("name", "kind", "options", "jpeg"),
+    [
+        ("a.jpg", "JPEG", {}, True),
+        ("a.png", "JPEG", {}, True),
+        ("a.jpg", "PNG", {}, False),
+        ("a.tif", "TIFF", {"compression": "jpeg"}, True),
+        ("a.tif", "TIFF", {"compression": "tiff_lzw"}, False),
+    ],
+)
+def test_a_frame_is_a_jpeg_by_its_content_and_not_by_its_name(tmp_path, name, kind, options, jpeg):
+    codes = np.random.default_rng(0).integers(0, 255, (32, 32, 3), np.uint8)
+    Image.fromarray(codes).save(tmp_path / name, kind, **options)
+    assert holds_jpeg(tmp_path / name) is jpeg
+
+
+@pytest.mark.parametrize(
+    ("codec", "format_", "jpeg"),
+    [
+        ("mjpeg", "yuvj420p", True),
+        ("libx264", "yuv420p", False),
+    ],
+)
+def test_a_video_of_motion_jpeg_says_so(tmp_path, codec, format_, jpeg):
+    av = pytest.importorskip("av")
+    with av.open(str(tmp_path / "a.mkv"), "w") as container:
+        stream = container.add_stream(codec, rate=24)
+        stream.width, stream.height, stream.pix_fmt = 64, 48, format_
+        for _ in range(3):
+            frame = av.VideoFrame.from_ndarray(np.full((48, 64, 3), 99, np.uint8), format="rgb24")
+            container.mux(stream.encode(frame.reformat(format=format_)))
+        container.mux(stream.encode(None))
+    assert open_clip(tmp_path / "a.mkv").motion_jpeg is jpeg
+
+
 @pytest.mark.slow
 def test_a_sequence_tells_by_its_noise_unless_it_is_of_jpegs(tmp_path):
     """JPEG's steps bend noise against level, and do not always show in its structure."""
     light = cv2.resize(linear_face(3), None, fx=3.0, fy=3.0, interpolation=cv2.INTER_CUBIC)
     generator = np.random.default_rng(4)
     told = {}
-    for suffix in ("png", "jpg"):
+    for case, jpeg in (("png", False), ("jpg", True), ("jpg named png", True)):
         for number in range(3):
             seen = np.clip(np.roll(light, 2 * number, axis=1), 0.0, 1.0)
             deviation = np.sqrt(seen / ELECTRONS + (READING / ELECTRONS) ** 2)
             noisy = seen + deviation * generator.standard_normal(seen.shape)
             codes = np.rint(255.0 * np.clip(noisy, 0.0, 1.0) ** (1.0 / 2.2)).astype(np.uint8)
-            path = tmp_path / suffix / f"frame.{number + 1:04d}.{suffix}"
+            path = tmp_path / case / f"frame.{number + 1:04d}.{case[-3:]}"
             path.parent.mkdir(exist_ok=True)
-            quality = [cv2.IMWRITE_JPEG_QUALITY, 100] if suffix == "jpg" else []
-            cv2.imwrite(str(path), codes[..., ::-1], quality)
-        told[suffix] = calibrate_clip(open_clip(tmp_path / suffix), frames=2).noise_told
-    assert told == {"png": True, "jpg": False}
+            Image.fromarray(codes).save(path, "JPEG" if jpeg else "PNG", quality=100)
+        told[case] = calibrate_clip(open_clip(tmp_path / case), frames=2).noise_told
+    assert told == {"png": True, "jpg": False, "jpg named png": False}

@@ -12,6 +12,7 @@ from facecrf_ocio.calibrate import calibrate
 from facecrf_ocio.clip.chosen_frames import ChosenFrame, choose_frames
 from facecrf_ocio.clip.frame_list import Clip
 from facecrf_ocio.clip.frame_noise import Image, noise_levels
+from facecrf_ocio.clip.jpeg_frames import holds_jpeg
 from facecrf_ocio.clip.noise_light import add_noise
 from facecrf_ocio.clip.shared_light import add_points, drift_of_points
 from facecrf_ocio.clip.tracked_points import track
@@ -25,7 +26,6 @@ from facecrf_ocio.joint import (
 from facecrf_ocio.joint.prior import Posterior
 from facecrf_ocio.pair.exposure_grid import exposure_stops
 from facecrf_ocio.photo.shot import read_shot
-from facecrf_ocio.photo.suffixes import suffixes_named
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.together import MISFIT_LIMIT
 from facecrf_ocio.values import Estimate, Float, Outcome
@@ -44,9 +44,6 @@ _SAME_SHOT = 0.5  # correlation of the brightness ranks of thumbnails, 32 x 18
 _SURE = 3.0  # standard errors from which a difference between both ends is a drift
 _LEAST_DRIFT = 0.003  # RMSE where points lie; clips without drift show 0.0015 at most
 _FEWEST = 4  # frames that a drift is told from
-# Their steps bend noise against level, which does not always show in it: one of ten clips of
-# quality 90 passed for one without, and erred by 0.146 stops for 0.025.
-_JPEG = suffixes_named("JPEG")
 _PAIRS = 6  # of frames that follow one another, whose noise is measured; more tell hardly more
 
 
@@ -159,7 +156,7 @@ def calibrate_clip(
         faces.append(posterior)
         if points is not None and told is not None:
             return add_points(posterior, points, told, model.prior, model.band_scale)
-        if any(one.path is not None and one.path.suffix.lower() in _JPEG for one in longest):
+        if clip.motion_jpeg or any(one.path and holds_jpeg(one.path) for one in longest):
             return posterior
         levels = noise_levels(_pairs(clip, [one.index for one in longest]))
         found = add_noise(posterior, levels, model.prior, model.band_scale)

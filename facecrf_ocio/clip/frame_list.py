@@ -30,6 +30,8 @@ class Clip:
         Gives photos of the frames at these indices, in rising order.
     notes
         What there is to say of the file, in sentences.
+    motion_jpeg
+        Whether it is a video whose frames are JPEGs.
     """
 
     path: Path
@@ -39,6 +41,7 @@ class Clip:
     rate: float
     read: Callable[[Sequence[int]], Iterator[Photo]]
     notes: tuple[str, ...] = ()
+    motion_jpeg: bool = False
 
 
 def in_one_size(photos: Iterable[Photo]) -> Iterator[Photo]:

@@ -49,6 +49,7 @@ def open_video(path: Path) -> Clip:
             )
             base = float(stream.time_base or 1.0)
             rate = float(stream.average_rate or 24.0)
+            motion_jpeg = stream.codec_context.name == "mjpeg"
     except (av.error.FFmpegError, OSError) as error:
         raise _unreadable(path, error) from error
     steps = np.diff(stamps) if len(stamps) > 1 else np.ones(1)
@@ -75,6 +76,7 @@ def open_video(path: Path) -> Clip:
         rate,
         read,
         tuple(notes),
+        motion_jpeg,
     )
 
 
