@@ -3,14 +3,27 @@
 from __future__ import annotations
 
 import json
+import os
 
 import numpy as np
 import pytest
-from archive_photos import ONE, everything, files, table, write_face, write_picture
+from archive_photos import (
+    GAMMA,
+    ONE,
+    everything,
+    files,
+    linear_face,
+    table,
+    write_face,
+    write_picture,
+)
 
-from facecrf_ocio import read_photo
+from facecrf_ocio import Photo, read_photo
+from facecrf_ocio.archive.cameras import camera_group
+from facecrf_ocio.archive.task import Recipe
+from facecrf_ocio.joint import conclude, gather
 from facecrf_ocio.record.sidecar import read_sidecar
-from facecrf_ocio.synthetic import gamma_curve
+from facecrf_ocio.synthetic import encode, gamma_curve
 from facecrf_ocio.together import MISFIT_LIMIT, calibrate_together
 
 pytestmark = pytest.mark.slow
@@ -117,6 +130,18 @@ def test_a_photo_that_tells_of_an_edit_neither_gives_nor_gets_its_cameras_curve(
     assert np.array_equal(curve_of(output, "0.jpg"), curve_of(output, "1.jpg"))
     together = calibrate_together(read_photo(source / name) for name in names)
     assert np.array_equal(curve_of(output, "0.jpg"), together.estimate.curve.linear)
+
+
+def test_photos_whose_names_look_alike_both_count(monkeypatch):
+    names = (r"caf\xe9.jpg", os.fsdecode(b"caf\xe9.jpg"))
+    photos = (Photo(encode(linear_face(seed), GAMMA)) for seed in (1, 2))
+    evidence = dict(zip(names, map(gather, photos), strict=True))
+    monkeypatch.setattr(camera_group, "different_photos", lambda *_: iter(evidence))
+    monkeypatch.setattr(camera_group, "evidence_of", lambda _, name: evidence[name])
+    told = camera_group.conclude_camera(None, "", "", Recipe())
+    assert told.used == 2
+    both = conclude(list(evidence.values()))
+    assert np.array_equal(told.estimate.curve.linear, both.curve.linear)
 
 
 def test_photos_that_join_later_give_all_members_a_new_curve(archive, tmp_path, pooled):

@@ -134,6 +134,12 @@ def test_who_is_outvoted_is_called_by_its_place_among_all_photos_given(evidence)
     assert conclude(given, names=names).confidence.outvoted[-1] == "e"
 
 
+@pytest.mark.parametrize("names", [["a", "a"], ["a"], ["a", "b", "c"]])
+def test_photos_to_conclude_from_are_as_many_as_their_names(evidence, names):
+    with pytest.raises(ValueError, match="no two alike"):
+        conclude(evidence[:2], names=names)
+
+
 def test_photos_without_a_face_change_nothing(photos):
     with_blank = calibrate_together([blank(), photos[0]])
     assert with_blank.lacking == ("no face found", "")

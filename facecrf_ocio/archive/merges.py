@@ -20,6 +20,7 @@ from facecrf_ocio.archive.job import BRACKET, Event, Job
 from facecrf_ocio.archive.manifest.camera_rows import camera_keys
 from facecrf_ocio.archive.manifest.damage import understanding
 from facecrf_ocio.archive.manifest.database import Manifest
+from facecrf_ocio.archive.manifest.keys import key_of
 from facecrf_ocio.archive.manifest.merge_rows import (
     BracketNamed,
     MergeRow,
@@ -34,7 +35,6 @@ from facecrf_ocio.archive.manifest.merge_rows import (
 from facecrf_ocio.archive.place import MOUNT, Place, source_identity
 from facecrf_ocio.archive.task import FAILED, MERGE, MERGED, NOT_MERGED, Result, Series, Task
 from facecrf_ocio.archive.unchanged import Unchanged
-from facecrf_ocio.archive.walk import as_utf8
 from facecrf_ocio.archive.work.processes import Workers
 from facecrf_ocio.errors import OutputError, PhotoError
 from facecrf_ocio.pair.bracket_curve import MIN_STOPS
@@ -204,6 +204,6 @@ def _series(job: Job, members: tuple[Exposure, ...]) -> Series:
 
 def _basis(digest: str, bracket: BracketNamed, members: tuple[Exposure, ...]) -> str:
     """Hash of all that an image depends on."""
-    photos = [[as_utf8(one.name), one.sha256] for one in members]
+    photos = [[key_of(one.name), one.sha256] for one in members]
     said = json.dumps([digest, bracket.used, bracket.curve_sha256, photos])
     return hashlib.sha256(said.encode()).hexdigest()

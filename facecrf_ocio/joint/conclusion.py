@@ -116,7 +116,7 @@ def conclude(
     model
         The shipped one by default.
     names
-        What the reasons call each photo; its place among them by default.
+        What the reasons call each photo, no two alike; its place among them by default.
     cameras
         Measured responses, in which the cameras that the files name are looked up; those that ship
         and the user's own by default.
@@ -134,6 +134,8 @@ def conclude(
     """
     model = model or shipped_joint()
     names = names or [f"photo {number + 1}" for number in range(len(evidence))]
+    if len(set(names)) != len(evidence):
+        raise ValueError("photos to conclude from are as many as their names, no two alike")
     named = {name: e for name, e in zip(names, evidence, strict=True) if e.messages}
     telling = list(named.values())
     leanings = [(e.leaning, e.phone) for e in telling or evidence] or [(0.0, 0.0)]

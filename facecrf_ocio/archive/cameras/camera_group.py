@@ -13,8 +13,8 @@ import numpy as np
 from facecrf_ocio.archive.cameras.bracket import Exposure, stops_of
 from facecrf_ocio.archive.manifest.camera_rows import different_photos, exposed_photos
 from facecrf_ocio.archive.manifest.database import Manifest
+from facecrf_ocio.archive.manifest.keys import key_of
 from facecrf_ocio.archive.task import Recipe
-from facecrf_ocio.archive.walk import as_utf8
 from facecrf_ocio.joint import PhotoEvidence, conclude
 from facecrf_ocio.pair.bracket_curve import (
     BracketCurve,
@@ -65,7 +65,7 @@ def conclude_camera(
     if not chosen:
         return CameraCurve(None, 0, "")
     chosen.sort(key=lambda item: item[0])
-    names = [as_utf8(name) for name, _ in chosen]
+    names = [key_of(name) for name, _ in chosen]
     shared = recipe.settings.shared_curve
     evidences = [evidence for _, evidence in chosen]
     estimate = conclude(evidences, recipe.prior, names=names, shared=shared)
