@@ -133,7 +133,7 @@ def conclude(
         Without any evidence, the prior's mean with the prior's band, as a fallback.
     """
     model = model or shipped_joint()
-    names = names or [f"photo {number + 1}" for number in range(len(evidence))]
+    names = names or [f"photo {number}" for number, _ in enumerate(evidence, 1)]
     if len(set(names)) != len(evidence):
         raise ValueError("photos to conclude from are as many as their names, no two alike")
     named = {name: e for name, e in zip(names, evidence, strict=True) if e.messages}
@@ -152,8 +152,7 @@ def conclude(
         found = in_channels(found, agreed, (one.camera for one in telling), model.prior)
     coefficients = np.tile(posterior.mean, (len(CHANNELS), 1))
     if not telling:
-        none = PhotoEvidence({}, np.empty(0), lacking="no photo given")
-        first = evidence[0] if evidence else none
+        first = next(iter(evidence), PhotoEvidence({}, np.empty(0), lacking="no photo given"))
         return Estimate(
             Outcome.FALLBACK,
             "joint",
@@ -287,8 +286,8 @@ def _confidence(
     outvoted: tuple[str, ...],
 ) -> Confidence:
     prior = model.prior
-    sigma = deviations(posterior, prior, model.band_scale)
-    sigma = np.tile(np.interp(found.encoded, prior.grid, sigma), (len(CHANNELS), 1))
+    alike = deviations(posterior, prior, model.band_scale)
+    sigma = np.tile(np.interp(found.encoded, prior.grid, alike), (len(CHANNELS), 1))
     if not telling:
         nothing = "nothing in the photo was used: this is the prior's mean and spread"
         in_stops, _ = judge(posterior, found, prior, model.band_scale, model.stops_scale)
