@@ -12,13 +12,20 @@ from facecrf_ocio.joint.color_lines import bend_profile
 from facecrf_ocio.joint.edge_counts import EDGE_LEVELS
 from facecrf_ocio.joint.edges import edge_profile, soft_edge_profile
 from facecrf_ocio.joint.noise_counts import count_noise
+from facecrf_ocio.joint.second_differences import planes_of
 from facecrf_ocio.joint.soft_edges import (
     SOFT_LEVELS,
     SOFT_SIZES,
+    SoftEdges,
     count_soft_edges,
 )
 
 PAIRS = EDGE_LEVELS * (EDGE_LEVELS - 1) // 2
+
+
+def soft_edges_of(codes: np.ndarray) -> SoftEdges:
+    """Those of one window (H, W, 3)."""
+    return count_soft_edges(planes_of(codes[None]))
 
 
 def stripes(power: float) -> np.ndarray:
@@ -70,14 +77,14 @@ def soft_steps(power: float, width: float) -> np.ndarray:
 @pytest.mark.parametrize("size", SOFT_SIZES)
 def test_in_linear_codes_soft_middles_lie_halfway_at_every_size(size):
     number = SOFT_SIZES.index(size)
-    counted, total, _ = count_soft_edges(soft_steps(1.0, 4.5 * size)).middles[number].sum((0, 1))
+    counted, total, _ = soft_edges_of(soft_steps(1.0, 4.5 * size)).middles[number].sum((0, 1))
     assert counted > 100.0
     assert total / counted == pytest.approx(0.5, abs=0.01)
 
 
 def test_a_hard_step_is_not_soft():
     hard = np.zeros((64, 64, 3), np.uint8) + np.repeat([60, 200], 32).astype(np.uint8)[:, None]
-    assert not count_soft_edges(hard).middles[0].any()
+    assert not soft_edges_of(hard).middles[0].any()
 
 
 def brute_force(plane: np.ndarray) -> np.ndarray:
@@ -111,7 +118,7 @@ def test_soft_edges_are_counted_as_one_pixel_after_another(seed):
     finest = sum(brute_force(one[:, ::2]) + brute_force(one.T[:, ::2]) for one in channels)
     halves = channels.reshape(3, 20, 2, 20, 2).mean(axis=(2, 4))
     halved = sum(brute_force(one) + brute_force(one.T) for one in halves)
-    counts = count_soft_edges(codes).middles
+    counts = soft_edges_of(codes).middles
     assert counts[0] == pytest.approx(finest, rel=1e-5)
     assert counts[1] == pytest.approx(halved, rel=1e-5)
 
@@ -119,15 +126,15 @@ def test_soft_edges_are_counted_as_one_pixel_after_another(seed):
 def test_turning_a_photo_changes_no_soft_edge():
     codes = soft_steps(1.6, 9.0)
     turned = np.ascontiguousarray(np.rot90(codes))
-    found, expected = count_soft_edges(turned), count_soft_edges(codes)
+    found, expected = soft_edges_of(turned), soft_edges_of(codes)
     assert found.middles[1:] == pytest.approx(expected.middles[1:])
     assert found.lines[1:] == pytest.approx(expected.lines[1:])
 
 
 def test_without_soft_edges_their_profile_trusts_nothing():
-    nothing = count_soft_edges(np.full((64, 64, 3), 100, np.uint8)).middles
+    nothing = soft_edges_of(np.full((64, 64, 3), 100, np.uint8)).middles
     assert not soft_edge_profile(nothing, nothing).any()
-    assert soft_edge_profile(nothing, count_soft_edges(soft_steps(1.0, 4.5)).middles).any()
+    assert soft_edge_profile(nothing, soft_edges_of(soft_steps(1.0, 4.5)).middles).any()
 
 
 def disks(power: float) -> np.ndarray:
@@ -141,7 +148,7 @@ def disks(power: float) -> np.ndarray:
             place = tuple(map(int, generator.integers(0, 192, 2)))
             cv2.circle(light, place, int(generator.integers(5, 40)), color, -1)
         light = cv2.GaussianBlur(light, (0, 0), float(generator.uniform(1.0, 4.0)))
-        total += count_soft_edges(np.rint(255.0 * light ** (1.0 / power)).astype(np.uint8)).lines
+        total += soft_edges_of(np.rint(255.0 * light ** (1.0 / power)).astype(np.uint8)).lines
     return total
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import cv2
@@ -18,16 +19,18 @@ _FLAT = 3, 20  # such a part of that, which the sides themselves may rise by
 _RUN = 7  # samples across an edge: both sides, three between them, and one beyond each side
 
 
-def count_edges(plane: npt.NDArray[np.uint8] | npt.NDArray[np.int16], white: int) -> Float:
+def count_edges(planes: npt.NDArray[np.uint8] | npt.NDArray[np.int16], white: int) -> Float:
     """(8, 8, 3) as one size of `NoiseCounts.edges`: steps within four pixels, flat on both sides.
 
     In linear light a blur is as far from one side as from the other, so the mean of an edge's
-    middle pixels lies halfway on the average (after Lin and Zhang, CVPR 2005). White is 255 or a
-    multiple of it.
+    middle pixels lies halfway on the average (after Lin and Zhang, CVPR 2005). Planes are (N, H, W)
+    of as many windows, white is 255 or a multiple of it.
     """
-    parts = white // _WHITE  # of a code, which the plane's integers count
-    turned: Any = cv2.transpose(plane)
-    runs = [_runs(p, parts) for p in (plane, turned) if len(p) >= _RUN]
+    parts = white // _WHITE  # of a code, which the planes' integers count
+    # Side by side, as runs go down, so that none leads from one window to the next.
+    turns = (planes.transpose(turn) for turn in ((1, 0, 2), (2, 0, 1)))
+    wide: Iterator[Any] = (np.ascontiguousarray(turn).reshape(len(turn), -1) for turn in turns)
+    runs = [_runs(plane, parts) for plane in wide if len(plane) >= _RUN]
     if not runs:
         return np.zeros((EDGE_LEVELS, EDGE_LEVELS, 3))
     run = np.concatenate(runs, axis=1) / np.float32(parts)

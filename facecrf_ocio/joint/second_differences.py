@@ -47,16 +47,16 @@ Signs = npt.NDArray[np.int8]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SecondDifferences:
-    """Of each pixel of a window (H, W), in the three channels, those at its edges not counted.
+    """Of each pixel of N windows (H, W), in three channels, those at a window's edges not counted.
 
     Attributes
     ----------
     residue
-        (3, H, W) int16 second differences.
+        (3, N, H, W) int16 second differences.
     level
-        (3, H, W) which of the levels the mean of its nine pixels has.
+        (3, N, H, W) which of the levels the mean of its nine pixels has.
     counted
-        (3, H, W) 255, or 0 where black, white or the window's edge is near.
+        (3, N, H, W) 255, or 0 where black, white or the window's edge is near.
     """
 
     residue: npt.NDArray[np.int16]
@@ -65,15 +65,15 @@ class SecondDifferences:
 
     @classmethod
     def of(cls, channels: Plane, white: int, mask: Bool | None) -> SecondDifferences:
-        """Of channels (3, H, W) with codes up to `white`, 255 times a power of four."""
-        # One below the other: what is inside of a channel has no neighbor in the next.
-        tall: Any = np.ascontiguousarray(channels).reshape(-1, channels.shape[2])
+        """Of channels (3, N, H, W) with codes up to `white`, 255 times a power of four."""
+        # One below the other: what is inside of a window has no neighbor in the next.
+        tall: Any = np.ascontiguousarray(channels).reshape(-1, channels.shape[-1])
         between = cv2.inRange(tall, np.array([1.0]), np.array([white - 1.0]))
         counted: Any = np.asarray(cv2.erode(between, _NEIGHBORS)).reshape(channels.shape)
-        counted[:, [0, -1]] = 0
-        counted[:, :, [0, -1]] = 0
+        counted[..., [0, -1], :] = 0
+        counted[..., [0, -1]] = 0
         if mask is not None:
-            inside = mask[: channels.shape[1], : channels.shape[2]]
+            inside = mask[:, : channels.shape[2], : channels.shape[3]]
             counted &= inside.view(np.uint8) * np.uint8(_WHITE)
         residue = cv2.sepFilter2D(tall, cv2.CV_16S, SECOND_DIFFERENCE, SECOND_DIFFERENCE)
         sums = cv2.boxFilter(tall, cv2.CV_32F, (3, 3), normalize=False)
@@ -84,7 +84,7 @@ class SecondDifferences:
     def histograms(self, size: int) -> Float:
         """(3, L, R) counted pixels by level and absolute second difference over 2**size."""
         residue = np.abs(self.residue) >> size if size else self.residue
-        tall: Any = residue.reshape(-1, residue.shape[2])
+        tall: Any = residue.reshape(-1, residue.shape[-1])
         sizes = cv2.convertScaleAbs(tall)
         table = _bin_of_residue()
         bins = np.asarray(cv2.LUT(sizes, table[: _WHITE + 1]), np.uint8)
@@ -96,7 +96,7 @@ class SecondDifferences:
         return np.array([_counts_of_pairs(*pair, *shape) for pair in planes])
 
     def signs(self) -> Signs:
-        """(3, H, W) sign of each residue, 0 where it is 0 or not counted."""
+        """(3, N, H, W) sign of each residue, 0 where it is 0 or not counted."""
         above, below = (side.view(np.int8) for side in (self.residue > 0, self.residue < 0))
         return (above - below) & self.counted.view(np.int8)
 
@@ -110,7 +110,7 @@ class SecondDifferences:
         """(3, 2, L) as `NoiseCounts.lags`."""
         # One row after the other: a lag is a shift of that line. Its neighbors beyond the last
         # column and row are those of the edge, whose sign is 0.
-        line, width = signs[_GREEN].ravel(), signs.shape[2]
+        line, width = signs[_GREEN].ravel(), signs.shape[-1]
         state = np.zeros(line.shape, np.uint8)
         for down, right in (lag for lags in LAGS for lag in lags):
             shift = down * width + right
@@ -129,25 +129,33 @@ class SecondDifferences:
 
 
 def halved(channels: Plane) -> npt.NDArray[np.int16]:
-    """Sums of two by two pixels of (3, H, W): the means of four times their values."""
-    height, width = channels.shape[1] // 2, channels.shape[2] // 2
+    """Sums of two by two pixels of (3, N, H, W): the means of four times their values."""
+    height, width = channels.shape[2] // 2, channels.shape[3] // 2
+    shape = *channels.shape[:2], height, width
     if not height or not width:
-        return np.zeros((3, 0, 0), np.int16)
-    whole = channels[:, : 2 * height, : 2 * width].astype(np.int16) * np.int16(4)
+        return np.zeros(shape, np.int16)
+    whole = channels[..., : 2 * height, : 2 * width].astype(np.int16) * np.int16(4)
     tall = whole.reshape(-1, 2 * width)
-    small = cv2.resize(tall, (width, 3 * height), interpolation=cv2.INTER_AREA)
-    return np.asarray(small, np.int16).reshape(3, height, width)
+    small = cv2.resize(tall, (width, len(tall) // 2), interpolation=cv2.INTER_AREA)
+    return np.asarray(small, np.int16).reshape(shape)
+
+
+def planes_of(codes: Codes) -> Codes:
+    """(3, N, H, W) the channels of windows (N, H, W, 3)."""
+    planes: Any = cv2.split(codes.reshape(-1, *codes.shape[2:]))
+    return np.array(planes).reshape(3, *codes.shape[:3])
 
 
 def counts_of(codes: Codes, number: int) -> Float:
     """(number,) how often each is there; OpenCV counts bytes some times as fast as NumPy."""
-    found = cv2.calcHist([codes], [0], None, [number], [0, number])
+    found = cv2.calcHist([codes.reshape(-1, codes.shape[-1])], [0], None, [number], [0, number])
     return np.asarray(found.ravel(), np.float64)
 
 
 def _counts_of_pairs(one: Codes, other: Codes, ones: int, others: int) -> Float:
     """(ones, others) how often each is where each of the others is; larger ones are left out."""
-    found = cv2.calcHist([one, other], [0, 1], None, [ones, others], [0, ones, 0, others])
+    pair = [codes.reshape(-1, codes.shape[-1]) for codes in (one, other)]
+    found = cv2.calcHist(pair, [0, 1], None, [ones, others], [0, ones, 0, others])
     return np.asarray(found, np.float64)
 
 

@@ -13,7 +13,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -63,9 +62,8 @@ class SoftEdges:
 
 
 def count_soft_edges(codes: npt.NDArray[np.uint8]) -> SoftEdges:
-    """Soft edges down and across a window (H, W, 3) of 8-bit codes."""
-    split: Any = cv2.split(codes)
-    channels: Image = np.array(split, np.int16)
+    """Soft edges down and across the channels (3, N, H, W) of windows, of 8-bit codes."""
+    channels: Image = codes.astype(np.int16)
     found: list[tuple[int, _Edges]] = []
     for number, size in enumerate(SOFT_SIZES):
         if size > 1:
@@ -91,24 +89,24 @@ def _of_all(found: Sequence[tuple[int, Plane]]) -> tuple[Plane, Places]:
 
 
 def _summed(channels: Image) -> Image:
-    """Sums of two by two pixels of (3, H, W)."""
-    height, width = channels.shape[1] // 2, channels.shape[2] // 2
-    whole = channels[:, : 2 * height, : 2 * width]
-    rows = whole[:, ::2] + whole[:, 1::2]
+    """Sums of two by two pixels of (3, N, H, W)."""
+    height, width = channels.shape[2] // 2, channels.shape[3] // 2
+    whole = channels[..., : 2 * height, : 2 * width]
+    rows = whole[..., ::2, :] + whole[..., 1::2, :]
     return np.asarray(rows[..., ::2] + rows[..., 1::2])
 
 
 def _stacks(channels: Image, step: int) -> Iterator[Image]:
     """(H, T, 3, W) planes to be searched from top to bottom, every `step`-th column of each.
 
-    As few stacks as there are heights: planes of T turns and three channels are searched at once,
-    since most of the time goes by the call.
+    As few stacks as there are heights: planes of T turned windows and three channels are searched
+    at once, since most of the time goes by the call.
     """
-    turns = channels.transpose(1, 0, 2), channels.transpose(2, 0, 1)
-    height, width = channels.shape[1:]
+    turns = channels.transpose(2, 1, 0, 3), channels.transpose(3, 1, 0, 2)
+    height, width = channels.shape[2:]
     for part in [turns] if height == width else [(turn,) for turn in turns]:
         if len(part[0]) >= _RUN:
-            yield np.stack([turn[..., ::step] for turn in part], axis=1)
+            yield np.concatenate([turn[..., ::step] for turn in part], axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
