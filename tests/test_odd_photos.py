@@ -302,3 +302,13 @@ class TestProfiles:
         found = primaries_from_icc(PROFILE[:at] + odd + PROFILE[at + len(odd) :])
         if found is not None:
             assert np.isfinite((found.red, found.green, found.blue, found.white)).all()
+
+
+def test_a_jpeg_of_which_nothing_is_left_out_is_its_own_picture() -> None:
+    content = jpeg_of()
+    whole = take_apart(content)
+    assert whole.picture is content
+    for odd in (b"\0\0" + content, content + b"more", content[:-2]):
+        parts = take_apart(odd)
+        assert parts.picture == content
+        assert parts.picture is not odd

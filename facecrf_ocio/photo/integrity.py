@@ -5,6 +5,8 @@ from __future__ import annotations
 import hashlib
 import stat
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
@@ -16,12 +18,13 @@ MAX_MEGAPIXELS = 150
 
 COPY_AGAIN = "copy it again from the camera or from a backup"
 
+_BLOCK = 1 << 20  # [byte] hashed at once
 _PNG_START = 8  # [byte] the signature, before its first chunk
 _CODESTREAM = b"\xff\x4f\xff\x51"  # JPEG 2000: start of codestream, then its sizes
 
 
-def check_file(path: Path) -> str:
-    """Check that the path is a file with a photo's claims, and return the SHA-256 of its bytes.
+def check_file(path: Path) -> None:
+    """Check that the path is a file with a photo's claims.
 
     Raises
     ------
@@ -30,7 +33,7 @@ def check_file(path: Path) -> str:
         short or damaged, or a GIF or JPEG 2000 larger than `MAX_MEGAPIXELS`.
     """
     _check_name(path)
-    try:
+    with _told(path):
         mode, size = path.stat().st_mode, path.stat().st_size
         if stat.S_ISDIR(mode):
             raise PhotoError(path, IS_FOLDER, "name a photo inside of it")
@@ -40,7 +43,22 @@ def check_file(path: Path) -> str:
             raise PhotoError(path, "is empty (zero bytes)", COPY_AGAIN)
         with path.open("rb") as file:
             _check_claims(path, file)
-            return _sha256(file)
+
+
+def photo_sha256(path: Path) -> str:
+    """SHA-256 of a photo's bytes; raises PhotoError if they cannot be read."""
+    digest = hashlib.sha256()
+    with _told(path), path.open("rb") as file:
+        while block := file.read(_BLOCK):
+            digest.update(block)
+    return digest.hexdigest()
+
+
+@contextmanager
+def _told(path: Path) -> Iterator[None]:
+    """Turn the system's error into one that says what to do about the photo."""
+    try:
+        yield
     except (FileNotFoundError, NotADirectoryError):
         raise PhotoError(path, "does not exist", "check the name and the folder") from None
     except PermissionError:
@@ -69,14 +87,6 @@ def check_size(path: Path, width: int, height: int) -> None:
             f"{MAX_MEGAPIXELS} are read",
             "scale it down, or crop it around the face",
         )
-
-
-def _sha256(file: BinaryIO) -> str:
-    digest = hashlib.sha256()
-    file.seek(0)
-    while block := file.read(1 << 20):
-        digest.update(block)
-    return digest.hexdigest()
 
 
 def _check_claims(path: Path, file: BinaryIO) -> None:

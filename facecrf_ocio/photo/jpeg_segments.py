@@ -64,7 +64,10 @@ def take_apart(content: bytes) -> JpegParts | None:
     walk = _Walk(content, start + 2, stray=start)
     while not walk.done:
         walk.step()
-    picture = b"".join((b"\xff\xd8", *walk.kept, b"" if walk.ended else b"\xff\xd9"))
+    kept = (b"\xff\xd8", *walk.kept, b"" if walk.ended else b"\xff\xd9")
+    # Mostly nothing is left out and nothing added, and the file is the picture.
+    is_whole = walk.ended and sum(map(len, kept)) == len(content)
+    picture = content if is_whole else b"".join(kept)
     return JpegParts(
         picture, tuple(walk.segments), walk.size, content[walk.at :], walk.stray, walk.ended
     )
@@ -85,7 +88,7 @@ class _Walk:
     def __init__(self, content: bytes, at: int, stray: int) -> None:
         self.content, self.at, self.stray = content, at, stray
         self.markers = _markers(content)
-        self.kept: list[bytes] = []
+        self.kept: list[bytes | memoryview] = []
         self.segments: list[tuple[int, bytes]] = []
         self.size = (0, 0)
         self.done = self.ended = False
@@ -122,4 +125,4 @@ class _Walk:
             self.size = int.from_bytes(body[3:5], "big"), int.from_bytes(body[1:3], "big")
         if marker == _SCAN:
             self.at = self._next_marker()
-        self.kept.append(bytes((0xFF, marker)) + self.content[begin : self.at])
+        self.kept += bytes((0xFF, marker)), memoryview(self.content)[begin : self.at]

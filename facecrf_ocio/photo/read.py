@@ -3,30 +3,37 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio.color.primaries import known_primaries, name_primaries
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import complaint, plain_text
+from facecrf_ocio.files.threads import OtherThread
 from facecrf_ocio.photo.channels import alpha_channel, color_channels, is_premultiplied
 from facecrf_ocio.photo.cicp import LINEAR, of_numbers
+from facecrf_ocio.photo.decode import (
+    PHOTOMETRIC,
+    decode,
+    decode_by_bands,
+    is_plain_16_bits,
+    one_line,
+)
 from facecrf_ocio.photo.edits import edits_told
 from facecrf_ocio.photo.gain_map import jpeg_gain_map
 from facecrf_ocio.photo.heif import read_heif
-from facecrf_ocio.photo.integrity import COPY_AGAIN, check_file, check_size
+from facecrf_ocio.photo.integrity import COPY_AGAIN, check_file, check_size, photo_sha256
 from facecrf_ocio.photo.named_curve import is_other_curve, named_curve
 from facecrf_ocio.photo.orientation import orientation_of, upright
 from facecrf_ocio.photo.picture import PhotoFile, Picture, open_image, open_picture
 from facecrf_ocio.photo.pixels import (
     Pixels,
     code_values,
-    filled,
     is_gray,
     three_channels,
     unpremultiplied,
@@ -35,15 +42,13 @@ from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
 from facecrf_ocio.photo.suffixes import HEIF
 from facecrf_ocio.values import Camera, Photo, Primaries, frozen
 
-_BAND_ROWS = 64  # [px] read at once: what a processor keeps near, 1 MB of a photo 6000 px wide
 _EXPORT = "convert it to DNG, or export a 16-bit TIFF"
 _CONVERT = "convert it to JPEG, PNG, TIFF or EXR"
 _FULL_RANGE = "export it with code values of the full range"
 _COPY_OR_CONVERT = f"if it should be one, {COPY_AGAIN}; else {_CONVERT}"
 _INTEGERS = {oiio.UINT8, oiio.INT8, oiio.UINT16, oiio.INT16, oiio.UINT32, oiio.INT32}
-_PHOTOMETRIC = "tiff:PhotometricInterpretation"
-# TIFF 6.0 and supplements: WhiteIsZero; separated inks; CIELab, ICCLab, ITULab.
-_WHITE_IS_ZERO, _SEPARATED, _LAB = 0, 5, (8, 9, 10)
+# TIFF 6.0 and supplements: separated inks; CIELab, ICCLab, ITULab.
+_SEPARATED, _LAB = 5, (8, 9, 10)
 _ENCODED_SPACE = re.compile(r"srgb|g\d\d|gamma|log|pq|hlg|bt1886|itu709")
 _SPACE_PRIMARIES = {"p3d65": "Display P3", "rec2020": "Rec.2020", "adobergb": "Adobe RGB"}
 
@@ -74,19 +79,23 @@ def read_photo(path: str | Path) -> Photo:
         neither RGB nor gray, or holds NaN or infinities.
     """
     path = Path(path)
-    sha256 = check_file(path)
-    file = PhotoFile(path)
+    check_file(path)
+    with OtherThread() as other:  # which hashes while this one decodes
+        return _read(PhotoFile(path), other.begin(partial(photo_sha256, path)))
+
+
+def _read(file: PhotoFile, ask_sha256: Callable[[], str]) -> Photo:
     if file.kind is not None and file.kind.reader == HEIF:
-        return read_heif(file, sha256)
+        return read_heif(file, ask_sha256())
     if file.is_raw:
-        return _read_raw(file, sha256, "is not camera raw that LibRaw knows", _EXPORT)
+        return _read_raw(file, ask_sha256(), "is not camera raw that LibRaw knows", _EXPORT)
     picture = open_picture(file)
     if picture is None:
-        problem = _one_line(complaint(oiio.geterror), path)
+        problem = one_line(complaint(oiio.geterror), file.path)
         problem = f"is not an image that can be read ({problem.partition('. Is it a file')[0]})"
-        return _read_raw(file, sha256, problem, _COPY_OR_CONVERT)
+        return _read_raw(file, ask_sha256(), problem, _COPY_OR_CONVERT)
     try:
-        return _read_image(file, picture, sha256)
+        return _read_image(file, picture, ask_sha256)
     finally:
         picture.close()
 
@@ -113,7 +122,7 @@ def _read_raw(file: PhotoFile, sha256: str, problem: str, remedy: str) -> Photo:
     )
 
 
-def _read_image(file: PhotoFile, picture: Picture, sha256: str) -> Photo:
+def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]) -> Photo:
     path, source, spec = file.path, picture.source, picture.spec
     file_format = source.format_name()
     check_size(path, spec.width, spec.height)
@@ -128,10 +137,10 @@ def _read_image(file: PhotoFile, picture: Picture, sha256: str) -> Photo:
     file.forget()
 
     camera, alpha = _camera(spec), None
-    if turn == 1 and _is_plain_16_bits(spec, channels):
-        pixels: Pixels = _decode_by_bands(path, source, bits)
+    if turn == 1 and is_plain_16_bits(spec, channels):
+        pixels: Pixels = decode_by_bands(path, source, bits)
     else:
-        codes = _decode(path, picture)
+        codes = decode(path, picture)
         if transparency is not None:
             alpha = frozen(code_values(upright(codes[..., transparency], turn), bits), np.float32)
         # The largest arrays of all: each is let go when the next is there, and none is copied.
@@ -151,7 +160,7 @@ def _read_image(file: PhotoFile, picture: Picture, sha256: str) -> Photo:
         "primaries": primaries_of(spec, icc),
         "camera": camera,
         "path": path,
-        "sha256": sha256,
+        "sha256": ask_sha256(),
         "gain_map": gain_map,
         "edits": edits_told(file.xmp, camera.software),
         "notes": (*picture.notes, *profile_notes(icc), *set_aside),
@@ -165,7 +174,7 @@ def _read_image(file: PhotoFile, picture: Picture, sha256: str) -> Photo:
 
 def _check_kind(path: Path, spec: Any, file_format: str) -> None:
     """Refuse what is no photograph in RGB or gray."""
-    photometric = spec.get_int_attribute(_PHOTOMETRIC)
+    photometric = spec.get_int_attribute(PHOTOMETRIC)
     spaces = [spec.get_string_attribute(f"{prefix}:ColorSpace") for prefix in ("jpeg", "tiff")]
     spaces.append(spec.get_string_attribute("psd:ColorMode"))
     if photometric == _SEPARATED or {"CMYK", "YCbCrK", "YCCK"} & set(spaces):
@@ -182,58 +191,6 @@ def _check_kind(path: Path, spec: Any, file_format: str) -> None:
     if file_format == "null" or spec.deep or spec.depth > 1:
         kind = "a deep image" if spec.deep else "a volume" if spec.depth > 1 else "no image"
         raise PhotoError(path, f"is {kind}", _CONVERT)
-
-
-def _is_plain_16_bits(spec: Any, channels: Sequence[int]) -> bool:
-    """Whether rows of R, G, B in 16 bits, and nothing else, can be read one after another."""
-    rows_of_16_bits = spec.format.basetype == oiio.UINT16 and spec.tile_width == 0
-    return rows_of_16_bits and spec.nchannels == 3 and list(channels) == [0, 1, 2]
-
-
-def _decode_by_bands(path: Path, source: Any, bits: int) -> npt.NDArray[np.float32]:
-    """(H, W, 3) encoded values; the code values of 16 bits are never there as a whole.
-
-    Of 24 megapixels they would take 144 MB beside the 288 MB of the result.
-    """
-    spec = source.spec()
-    encoded = np.empty((spec.height, spec.width, 3), np.float32)
-    for rows, codes in _bands(path, source, oiio.UINT16):
-        encoded[rows] = code_values(codes, bits)
-    return encoded
-
-
-def _bands(path: Path, source: Any, kind: Any) -> Iterator[tuple[slice, Pixels]]:
-    """Rows from top to bottom, some at a time, with all of their channels."""
-    spec = source.spec()
-    for top in range(0, spec.height, _BAND_ROWS):
-        end = min(top + _BAND_ROWS, spec.height)
-        read = source.read_scanlines(spec.y + top, spec.y + end, 0, 0, spec.nchannels, kind)
-        codes = _require_pixels(path, source, read)
-        yield slice(top, end), codes.reshape(end - top, spec.width, spec.nchannels)
-
-
-def _decode(path: Path, picture: Picture) -> Pixels:
-    """(H, W, C) of all channels: uint8 or uint16 as in the file, else float32."""
-    source, spec = picture.source, picture.spec
-    kind = spec.format.basetype if spec.format.basetype in (oiio.UINT8, oiio.UINT16) else oiio.FLOAT
-    if kind == oiio.UINT8 and source.format_name() == "jpeg":
-        # Read whole, it would be copied into memory that was never touched: half as long again.
-        shape = spec.height, spec.width, spec.nchannels
-        return filled(np.empty(shape, np.uint8), _bands(path, source, kind))
-    read = source.read_image(picture.page, 0, 0, spec.nchannels, kind)
-    codes = _require_pixels(path, source, read)
-    if kind != oiio.UINT8 and spec.get_int_attribute(_PHOTOMETRIC, -1) == _WHITE_IS_ZERO:
-        white = 65535 if kind == oiio.UINT16 else 1
-        np.subtract(white, codes, out=codes)  # OpenImageIO does so for 8 bits alone
-    return codes.reshape(spec.height, spec.width, spec.nchannels)
-
-
-def _require_pixels(path: Path, source: Any, codes: Any) -> Pixels:
-    """What a decoder gave, if it gave all of it."""
-    problem = _one_line(complaint(source.geterror), path)
-    if problem or codes is None or codes.size == 0:
-        raise PhotoError(path, f"is cut short or damaged ({problem or 'no pixels'})", COPY_AGAIN)
-    return np.asarray(codes)
 
 
 def _select(codes: Pixels, channels: Sequence[int]) -> Pixels:
@@ -290,9 +247,3 @@ def primaries_of(spec: Any, icc: bytes) -> Primaries | None:
 def _camera(spec: Any) -> Camera:
     names = ("Make", "Model", "Exif:BodySerialNumber", "Software")
     return Camera(*(plain_text(spec.get_string_attribute(name)) for name in names))
-
-
-def _one_line(text: str, path: Path) -> str:
-    """First line of a decoder's complaint, without the names of the file and of a mended copy."""
-    first = re.sub(r' *\("[^"]*"\)', "", text.strip().partition("\n")[0])
-    return first.replace(f'"{path}"', "it").strip(" .")[:160]

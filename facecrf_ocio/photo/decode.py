@@ -1,0 +1,81 @@
+"""The code values of an open picture, all of them or an error in one line."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import OpenImageIO as oiio  # noqa: N813
+
+from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.files.plain_text import complaint
+from facecrf_ocio.photo.integrity import COPY_AGAIN
+from facecrf_ocio.photo.picture import Picture
+from facecrf_ocio.photo.pixels import Pixels, code_values, filled
+
+_BAND_ROWS = 64  # [px] read at once: what a processor keeps near, 1 MB of a photo 6000 px wide
+PHOTOMETRIC = "tiff:PhotometricInterpretation"
+"""Attribute of a TIFF that tells what its numbers mean."""
+_WHITE_IS_ZERO = 0  # TIFF 6.0
+
+
+def is_plain_16_bits(spec: Any, channels: Sequence[int]) -> bool:
+    """Whether rows of R, G, B in 16 bits, and nothing else, can be read one after another."""
+    rows_of_16_bits = spec.format.basetype == oiio.UINT16 and spec.tile_width == 0
+    return rows_of_16_bits and spec.nchannels == 3 and list(channels) == [0, 1, 2]
+
+
+def decode_by_bands(path: Path, source: Any, bits: int) -> npt.NDArray[np.float32]:
+    """(H, W, 3) encoded values; the code values of 16 bits are never there as a whole.
+
+    Of 24 megapixels they would take 144 MB beside the 288 MB of the result.
+    """
+    spec = source.spec()
+    encoded = np.empty((spec.height, spec.width, 3), np.float32)
+    for rows, codes in _bands(path, source, oiio.UINT16):
+        encoded[rows] = code_values(codes, bits)
+    return encoded
+
+
+def _bands(path: Path, source: Any, kind: Any) -> Iterator[tuple[slice, Pixels]]:
+    """Rows from top to bottom, some at a time, with all of their channels."""
+    spec = source.spec()
+    for top in range(0, spec.height, _BAND_ROWS):
+        end = min(top + _BAND_ROWS, spec.height)
+        read = source.read_scanlines(spec.y + top, spec.y + end, 0, 0, spec.nchannels, kind)
+        codes = _require_pixels(path, source, read)
+        yield slice(top, end), codes.reshape(end - top, spec.width, spec.nchannels)
+
+
+def decode(path: Path, picture: Picture) -> Pixels:
+    """(H, W, C) of all channels: uint8 or uint16 as in the file, else float32."""
+    source, spec = picture.source, picture.spec
+    kind = spec.format.basetype if spec.format.basetype in (oiio.UINT8, oiio.UINT16) else oiio.FLOAT
+    if kind == oiio.UINT8 and source.format_name() == "jpeg":
+        # Read whole, it would be copied into memory that was never touched: half as long again.
+        shape = spec.height, spec.width, spec.nchannels
+        return filled(np.empty(shape, np.uint8), _bands(path, source, kind))
+    read = source.read_image(picture.page, 0, 0, spec.nchannels, kind)
+    codes = _require_pixels(path, source, read)
+    if kind != oiio.UINT8 and spec.get_int_attribute(PHOTOMETRIC, -1) == _WHITE_IS_ZERO:
+        white = 65535 if kind == oiio.UINT16 else 1
+        np.subtract(white, codes, out=codes)  # OpenImageIO does so for 8 bits alone
+    return codes.reshape(spec.height, spec.width, spec.nchannels)
+
+
+def _require_pixels(path: Path, source: Any, codes: Any) -> Pixels:
+    """What a decoder gave, if it gave all of it."""
+    problem = one_line(complaint(source.geterror), path) if source.has_error else ""
+    if problem or codes is None or codes.size == 0:
+        raise PhotoError(path, f"is cut short or damaged ({problem or 'no pixels'})", COPY_AGAIN)
+    return np.asarray(codes)
+
+
+def one_line(text: str, path: Path) -> str:
+    """First line of a decoder's complaint, without the names of the file and of a mended copy."""
+    first = re.sub(r' *\("[^"]*"\)', "", text.strip().partition("\n")[0])
+    return first.replace(f'"{path}"', "it").strip(" .")[:160]
