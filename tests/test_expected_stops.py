@@ -12,7 +12,7 @@ from facecrf_ocio.response.expected_stops import (
     share_nearer,
     stops_of_draws,
 )
-from facecrf_ocio.response.stops import stops_error
+from facecrf_ocio.response.stops import log_light, stops_error
 from facecrf_ocio.values import InverseCRF
 
 GRID = np.linspace(0.0, 1.0, 1024)
@@ -78,3 +78,11 @@ def test_the_share_is_that_of_the_truths_nearer_to_the_curve():
     exponents, draws = powers()
     share = share_nearer(GRID**2.2, GRID**2.4, stops_of_draws(draws))
     assert share == pytest.approx(np.mean(exponents < 2.3), abs=0.01)
+
+
+@pytest.mark.parametrize("count", [1, 2, 7, 400])
+def test_the_deviation_is_the_quantile_of_the_errors_at_each_code(count):
+    truths = stops_of_draws(powers(count)[1])
+    told = expected_of_draws(GRID**2.1, truths)
+    errors = np.abs(truths - log_light(GRID**2.1))
+    np.testing.assert_allclose(told.sigma[0], np.quantile(errors, 0.6827, axis=0), rtol=1e-12)

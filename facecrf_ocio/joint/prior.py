@@ -12,10 +12,11 @@ import numpy as np
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.files.stored_arrays import load_arrays
 from facecrf_ocio.settings import PRIORS
-from facecrf_ocio.values import Float, frozen
+from facecrf_ocio.values import Float, Index, frozen
 
 FAMILIES = ("dorf", "camera", "phone")
 """Film and early cameras; digital cameras and raw converters; phones and webcams."""
+_EVERYWHERE = slice(None)  # of a curve's samples
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,13 +137,14 @@ class FamilyPrior:
         for name in ("grid", "mean", "basis", "weights", "means", "covariances", "family"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
 
-    def samples(self, coefficients: Float, every: int = 1) -> Float:
-        """Curves on the grid, (..., M) -> (..., K), or every so many; not made monotone."""
-        return np.asarray(np.maximum(self.roots(coefficients, every), 0.0) ** 2)
+    def samples(self, coefficients: Float, where: slice | Index = _EVERYWHERE) -> Float:
+        """Curves on the grid, (..., M) -> (..., K), or at some of it; not made monotone."""
+        roots = np.maximum(self.roots(coefficients, where), 0.0)
+        return np.asarray(np.square(roots, out=roots))
 
-    def roots(self, coefficients: Float, every: int = 1) -> Float:
-        """Roots of linear light on the grid, (..., M) -> (..., K), or every so many."""
-        return np.asarray(self.mean[::every] + coefficients @ self.basis[:, ::every])
+    def roots(self, coefficients: Float, where: slice | Index = _EVERYWHERE) -> Float:
+        """Roots of linear light on the grid, (..., M) -> (..., K), or at some of it."""
+        return np.asarray(self.mean[where] + coefficients @ self.basis[:, where])
 
     def weights_for(self, prior: str, leaning: float = 0.0, phone: float = 0.0) -> Float:
         """Weights of the components, (C,).

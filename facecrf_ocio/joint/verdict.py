@@ -22,7 +22,8 @@ from facecrf_ocio.response.expected_stops import (
     share_nearer,
     stops_of_draws,
 )
-from facecrf_ocio.values import Confidence, Float, InStops, InverseCRF, Verdict
+from facecrf_ocio.response.stops import places_of_codes, stops_of_light
+from facecrf_ocio.values import Confidence, Float, Index, InStops, InverseCRF, Verdict
 
 CHANNELS_APART = 0.16
 """Standard deviation of one channel's coefficients about those of all three, in units of the
@@ -69,7 +70,7 @@ def judge(
     band_scale, stops_scale
         As `JointModel` explains.
     """
-    truths = stops_of_draws(_rising_draws(posterior, prior, band_scale))
+    truths = _rising_draws(posterior, prior, band_scale)
     estimate = found.linear[0]
     srgb = decode_srgb(found.encoded)
     told = expected_of_draws(estimate, truths)
@@ -79,20 +80,25 @@ def judge(
 
 
 def _rising_draws(posterior: Posterior, prior: FamilyPrior, band_scale: float) -> Float:
-    """(N, K) those of 512 curves that rise; the same for the same posterior."""
+    """(N, 256) light in stops of those of 512 curves that rise; the same for the same posterior."""
     generator = np.random.default_rng(0)
     root = np.linalg.cholesky(posterior.covariance)
     steps = generator.standard_normal((_DRAWS, posterior.mean.size)) @ root.T
     drawn = posterior.mean + band_scale * steps
-    # By a sixteenth of their samples, before all are there.
-    good = drawn[rises(_samples(prior, drawn, CHECKED_EVERY))]
-    return _samples(prior, good) if len(good) >= FEWEST else rising(_samples(prior, drawn))
+    # By a sixteenth of their samples, before all that are needed are there.
+    good = drawn[rises(_samples(prior, drawn, slice(None, None, CHECKED_EVERY)))]
+    if len(good) < FEWEST:
+        return stops_of_draws(rising(_samples(prior, drawn, slice(None))))
+    below, share = places_of_codes(prior.grid.size)
+    beside = _samples(prior, good, np.concatenate([below, below + 1]))
+    low, high = beside[:, : below.size], beside[:, below.size :]
+    return stops_of_light(((1.0 - share) * low + share * high)[:, None])[:, 0]
 
 
-def _samples(prior: FamilyPrior, drawn: Float, every: int = 1) -> Float:
+def _samples(prior: FamilyPrior, drawn: Float, where: slice | Index) -> Float:
     # In parts that BLAS multiplies in one thread: others would wait for more to do, and spin.
     parts = np.array_split(drawn, _PARTS)
-    return np.concatenate([prior.samples(part, every) for part in parts])
+    return np.concatenate([prior.samples(part, where) for part in parts])
 
 
 def deviations(posterior: Posterior, prior: FamilyPrior, band_scale: float) -> Float:

@@ -73,12 +73,21 @@ def expected_of_draws(curve: Float, truths: Float) -> InStops:
         draws: a few draws with crushed shadows would decide means.
     """
     errors = np.abs(truths - log_light(curve))
-    sigma = np.quantile(errors, _WITHIN_ONE, axis=0)
+    sigma = _quantile(errors, _WITHIN_ONE)
     mid, shadows = (
         float(np.median(errors[:, first : last + 1].mean(axis=1)))
         for first, last in (MID_CODES, SHADOW_CODES)
     )
     return InStops(np.tile(sigma, (len(CHANNELS), 1)), mid, shadows)
+
+
+def _quantile(values: Float, share: float) -> Float:
+    """(K,) quantile of each column of (N, K), as NumPy has it, in a fifth of its time."""
+    ordered = np.sort(np.ascontiguousarray(values.T), axis=1)
+    place = share * (len(values) - 1)
+    before = min(int(place), max(len(values) - 2, 0))
+    low, high = ordered[:, before], ordered[:, min(before + 1, len(values) - 1)]
+    return np.asarray(low + (high - low) * (place - before))
 
 
 def expected_of_sigma(curve: InverseCRF, sigma: Float) -> InStops:

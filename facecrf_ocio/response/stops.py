@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.errors import SettingsError
-from facecrf_ocio.values import Float, InverseCRF
+from facecrf_ocio.values import Float, Index, InverseCRF
 
 CODES = np.arange(256)  # [8-bit code]
 MID_GRAY = 128  # [8-bit code] where the one free factor is taken out
@@ -62,7 +62,11 @@ def log_light(curves: Float) -> Float:
         (..., C, 256) log2 of light at each 8-bit code over that at code 128, whose geometric mean
         over the channels is the one factor taken out; nowhere below `DARKEST`.
     """
-    light = _at_codes(np.asarray(curves, dtype=np.float64))
+    return stops_of_light(_at_codes(np.asarray(curves, dtype=np.float64)))
+
+
+def stops_of_light(light: Float) -> Float:
+    """As `log_light`, of light at each 8-bit code, (..., C, 256) of C channels or (256,) of one."""
     tiny = np.finfo(np.float64).tiny
     stops = np.log2(np.maximum(light, tiny))
     middle = stops[..., MID_GRAY]
@@ -108,10 +112,17 @@ def uniform(curve: InverseCRF) -> Float:
 
 def _at_codes(curves: Float) -> Float:
     """(..., K) linear between samples, as LUTs are read, to (..., 256)."""
-    size = curves.shape[-1]
+    below, share = places_of_codes(curves.shape[-1])
+    return np.asarray((1.0 - share) * curves[..., below] + share * curves[..., below + 1])
+
+
+def places_of_codes(size: int) -> tuple[Index, Float]:
+    """Which sample of so many lies before each 8-bit code, and the share of the next one in it.
+
+    Each is (256,). Raises SettingsError for fewer than two samples.
+    """
     if size < 2:
         raise SettingsError("a curve needs two samples or more to be compared in stops")
     place = CODES / CODES[-1] * (size - 1)
     below = np.minimum(place.astype(np.intp), size - 2)
-    share = place - below
-    return np.asarray((1.0 - share) * curves[..., below] + share * curves[..., below + 1])
+    return below, place - below
