@@ -23,6 +23,7 @@ from facecrf_ocio import (
 from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
 from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.face.view import cut_face
+from facecrf_ocio.files.threads import OtherThread
 from facecrf_ocio.joint import shipped_joint
 from facecrf_ocio.joint.messages import COMBINED
 from facecrf_ocio.joint.metadata import modern_leaning, phone_leaning
@@ -182,6 +183,16 @@ def test_a_photo_unlike_training_has_a_wider_band_and_the_same_curve(evidence):
     assert np.allclose(a.curve.linear, b.curve.linear)
     assert np.all(b.confidence.sigma[:, 100:-100] > 1.3 * a.confidence.sigma[:, 100:-100])
     assert b.confidence.in_stops.mid > a.confidence.in_stops.mid
+
+
+def test_a_face_cut_by_two_threads_is_that_cut_by_one():
+    photo = photograph(render_face(SyntheticSpec(seed=3)), gamma_curve(2.2))
+    face = find_faces(photo.encoded, Settings()).faces[0]
+    alone = cut_face(photo, face, Settings())
+    with OtherThread() as other:
+        together = cut_face(photo, face, Settings(), other=other)
+    np.testing.assert_array_equal(together.encoded, alone.encoded)
+    np.testing.assert_array_equal(together.geometry.bare_skin, alone.geometry.bare_skin)
 
 
 def test_closed_eyes_say_nothing():

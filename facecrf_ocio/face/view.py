@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import cv2
 import numpy as np
@@ -10,6 +11,7 @@ import numpy.typing as npt
 
 from facecrf_ocio.face.area_means import area_means
 from facecrf_ocio.face.geometry import FaceGeometry, face_geometry
+from facecrf_ocio.files.threads import OtherThread
 from facecrf_ocio.photo.pixels import Pixels, code_values, in_8_bits
 from facecrf_ocio.settings import FaceSettings
 from facecrf_ocio.values import Face, Photo
@@ -41,11 +43,17 @@ class FaceView:
 
 
 def cut_face(
-    photo: Photo, face: Face, settings: FaceSettings, *, to_8_bits: bool = False
+    photo: Photo,
+    face: Face,
+    settings: FaceSettings,
+    *,
+    to_8_bits: bool = False,
+    other: OtherThread | None = None,
 ) -> FaceView:
     """Cut a face out, scale it down to the working size, and lay its mesh over it.
 
-    With `to_8_bits` it is rounded to 8 bits before it is scaled.
+    With `to_8_bits` it is rounded to 8 bits before it is scaled. With another thread it is scaled
+    there, while the mesh is laid here.
     """
     height, width, _ = photo.shape
     points = face.landmarks_xyz[:, :2]
@@ -56,20 +64,27 @@ def cut_face(
     face_width = float(np.ptp(points[:, 0]))
     scale = min(1.0, settings.face_width / face_width)
     size = (max(1, round(cut.shape[1] * scale)), max(1, round(cut.shape[0] * scale)))
-    if cut.dtype == np.uint8 and cut.shape[0] >= _MANY_ROWS * size[1]:
-        encoded: Pixels = area_means(np.asarray(cut, np.uint8), size)
-    else:
-        # Channel by channel: a large face, rounded, would be a tenth of what a worker may take.
-        planes = [_scaled(cut[..., c], size, to_8_bits=to_8_bits) for c in range(3)]
-        encoded = np.asarray(cv2.merge(planes))
+    scaled = partial(_scaled, cut, size, to_8_bits=to_8_bits)
+    ask_scaled = scaled if other is None else other.begin(scaled)
     geometry = face_geometry(
         face, (size[1], size[0]), origin=(float(left), float(top)), scale=scale
     )
     frame = (float(left), float(top), float(cut.shape[1]), float(cut.shape[0]))
-    return FaceView(face, np.asarray(encoded, np.float32), geometry, frame)
+    return FaceView(face, ask_scaled(), geometry, frame)
 
 
-def _scaled(channel: Pixels, size: tuple[int, int], *, to_8_bits: bool) -> npt.NDArray[np.float32]:
+def _scaled(cut: Pixels, size: tuple[int, int], *, to_8_bits: bool) -> npt.NDArray[np.float32]:
+    """(H, W, 3) encoded values of a face at working size, of which `size` is width and height."""
+    if cut.dtype == np.uint8 and cut.shape[0] >= _MANY_ROWS * size[1]:
+        return area_means(np.asarray(cut, np.uint8), size)
+    # Channel by channel: a large face, rounded, would be a tenth of what a worker may take.
+    planes = [_scaled_plane(cut[..., c], size, to_8_bits=to_8_bits) for c in range(3)]
+    return np.asarray(cv2.merge(planes), np.float32)
+
+
+def _scaled_plane(
+    channel: Pixels, size: tuple[int, int], *, to_8_bits: bool
+) -> npt.NDArray[np.float32]:
     channel = np.ascontiguousarray(channel)
     channel = in_8_bits(channel) if to_8_bits else code_values(channel, 8)
     if channel.shape == size[::-1]:

@@ -183,10 +183,10 @@ def _observed(photo: Photo, settings: JointSettings, other: OtherThread) -> Obse
     unfit = no_photograph(photo.pixels, face.box_xy, settings)
     if unfit is not None:
         return unfit
-    ask_levels = other.begin(partial(few_levels, photo.pixels, face.box_xy, settings))
     # The networks know 8-bit photos: rounding is part of the noise they learned from.
     finer = photo.bit_depth != 8
-    view = cut_face(photo, face, settings, to_8_bits=finer)
+    view = cut_face(photo, face, settings, to_8_bits=finer, other=other)
+    ask_levels = other.begin(partial(few_levels, photo.pixels, face.box_xy, settings))
     of_face = face_statistics(view, settings)
     doubts = list(filter(None, [strange_skin(photo.pixels, face.box_xy)]))
     for found_out in (ask_levels(), ask_tone()):
