@@ -203,8 +203,9 @@ def span_colors(chromaticities: Sequence[Sequence[float]]) -> bool:
 
 def _refuse_mask(given: object, path: Path | None) -> None:
     """Refuse masked arrays, whose mask NumPy would drop without a word."""
-    masked = sys.modules.get("numpy.ma")  # who has a mask has loaded it; it takes a while
-    if masked is not None and isinstance(given, masked.MaskedArray):
+    # Who has a mask has loaded them, which takes a while; another thread may be at it just now.
+    masked = getattr(sys.modules.get("numpy.ma"), "MaskedArray", None)
+    if masked is not None and isinstance(given, masked):
         raise PhotoError(
             path,
             "a masked array says nothing of the pixels it hides",

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import copy
 import pickle
+import sys
 from dataclasses import FrozenInstanceError, replace
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -226,6 +228,11 @@ def test_a_bit_depth_is_a_number_of_bits(bits):
 @pytest.mark.parametrize("bits", [None, 1, 8, 10, 16, 32, np.int64(12)])
 def test_integer_files_have_up_to_32_bits(bits):
     assert Photo(encoded=np.zeros((1, 1, 3)), bit_depth=bits).bit_depth == bits
+
+
+def test_a_photo_is_taken_while_another_thread_loads_masked_arrays(monkeypatch):
+    monkeypatch.setitem(sys.modules, "numpy.ma", ModuleType("numpy.ma"))  # as it is at first
+    assert Photo(np.full((2, 2, 3), 0.5)).encoded.shape == (2, 2, 3)
 
 
 def test_a_mask_is_not_dropped_without_a_word():
