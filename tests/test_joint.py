@@ -214,6 +214,9 @@ def test_what_the_file_says_of_its_camera_leans():
     assert modern_leaning(Camera()) == 0.0
     assert modern_leaning(Camera(make="NIKON", model="D90")) > 0.0
     assert modern_leaning(Camera(make="Noritsu Koki", model="QSS-31")) < 0.0
+    assert modern_leaning(Camera("FUJI PHOTO FILM CO., LTD.", "SP-3000")) < 0.0
+    assert modern_leaning(Camera("OLYMPUS IMAGING CORP.", "SP550UZ")) > 0.0
+    assert modern_leaning(Camera(software="SilverFast 8.8")) < 0.0
 
 
 @pytest.mark.parametrize(

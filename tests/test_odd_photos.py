@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from base64 import b64encode
 from io import BytesIO
 from pathlib import Path
 
@@ -12,7 +13,17 @@ import OpenImageIO as oiio  # noqa: N813
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from photo_files import app1, exif_of, matrix_profile, segment, with_segments, write_dng
+from odd_files import chunk, with_chunks
+from photo_files import (
+    app1,
+    exif_of,
+    matrix_profile,
+    random_codes,
+    segment,
+    with_segments,
+    write,
+    write_dng,
+)
 from PIL import Image
 
 from facecrf_ocio import read_photo
@@ -20,6 +31,7 @@ from facecrf_ocio.archive.walk import photos_under
 from facecrf_ocio.calibrate import assumptions_of
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.photo.jpeg_segments import take_apart
+from facecrf_ocio.photo.no_photo import no_photo
 from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
 from facecrf_ocio.photo.suffixes import KINDS, PHOTO_SUFFIXES, RAW_SUFFIXES, kind_of
 from facecrf_ocio.photo.tiff_pages import holds_raw
@@ -73,6 +85,65 @@ class TestContentBeforeSuffix:
         path = write_dng(tmp_path / "a.dng", np.zeros((64, 64)))
         with pytest.raises(PhotoError, match="zeros alone"):
             read_photo(path)
+
+    @pytest.mark.parametrize(
+        ("content", "told"),
+        [
+            (bytes(5000), "begins with zeros alone"),
+            (b"\xef\xbb\xbf \n<!DOCTYPE HTML><p>404", "is a web page"),
+            (b"<?xml version='1.0'?><Error/>", "is XML"),
+            (b"<?xml version='1.0'?><svg></svg>", "is a drawing"),
+            (b"version https://git-lfs.github.com/spec/v1\noid", "Git LFS"),
+            (b"%PDF-1.7\n", "is a PDF"),
+            (b64encode(JPEG), "written as text"),
+            (b"data:image/jpeg;base64,/9j/", "written as text"),
+            (b"\0\0\0\x18ftypmp42" + bytes(400), "is a video"),
+            (b"PK\3\4" + bytes(400), "is a ZIP archive"),
+            (b"bplist00" + bytes(400), "as iCloud leaves it"),
+            (b"nothing that is known", "is not an image that can be read"),
+        ],
+    )
+    @pytest.mark.parametrize("suffix", [".jpg", ".png"])
+    def test_what_is_no_photo_is_called_what_it_is(
+        self, tmp_path: Path, suffix: str, content: bytes, told: str
+    ) -> None:
+        path = tmp_path / f"a{suffix}"
+        path.write_bytes(content)
+        with pytest.raises(PhotoError, match=told):
+            read_photo(path)
+
+    @given(st.binary(max_size=100))
+    def test_any_bytes_are_asked_what_they_are(self, head: bytes) -> None:
+        told = no_photo(head)
+        assert told is None or all(told)
+
+
+class TestNumbers:
+    @pytest.mark.parametrize(("gamma", "linear"), [(0, False), (100000, True), (45455, False)])
+    def test_a_gamma_of_zero_says_nothing(self, tmp_path: Path, gamma: int, linear: bool) -> None:
+        path = tmp_path / "a.png"
+        path.write_bytes(with_chunks(chunk(b"gAMA", struct.pack(">I", gamma))))
+        assert read_photo(path).scene_linear is linear
+
+    def test_code_values_as_floating_point_are_no_light(self, tmp_path: Path) -> None:
+        ramp = np.repeat(np.arange(256, dtype=np.float32).reshape(16, 16)[..., None], 3, axis=2)
+        write(tmp_path / "a.tif", ramp, oiio.FLOAT)
+        with pytest.raises(PhotoError, match="holds code values up to 255 as floating point"):
+            read_photo(tmp_path / "a.tif")
+        for light in (ramp * 64, ramp / 255, np.minimum(ramp, 20), ramp + np.float32(0.25)):
+            write(tmp_path / "a.tif", light, oiio.FLOAT)
+            assert read_photo(tmp_path / "a.tif").scene_linear
+
+    @pytest.mark.parametrize("scheme", [34925, 50000, 65000])  # LZMA, Zstandard, nobody's
+    def test_a_compression_that_is_not_known(self, tmp_path: Path, scheme: int) -> None:
+        path = write(tmp_path / "a.tif", random_codes(), oiio.UINT8, compression="none")
+        content = bytearray(path.read_bytes())
+        at = content.index(struct.pack("<HHI", 259, 3, 1))
+        struct.pack_into("<H", content, at + 8, scheme)
+        path.write_bytes(content)
+        with pytest.raises(PhotoError, match="compressed as cannot be undone here") as refused:
+            read_photo(path)
+        assert "LZW" in refused.value.remedy
 
 
 class TestTheTable:
@@ -279,6 +350,8 @@ class TestProfiles:
             broken(PROFILE, b"chad", struct.pack(">9i", *([65536] * 9))),
             broken(matrix_profile(*REC709, version=2), b"bXYZ", b"\x80\0\0\0" * 3),
             PROFILE[:200],
+            PROFILE[:16] + b"CMYK" + PROFILE[20:],
+            PROFILE[:12] + b"link" + PROFILE[16:],
             b"no profile at all" * 20,
         ],
     )

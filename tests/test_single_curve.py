@@ -12,6 +12,7 @@ import pytest
 from face_photos import grace_hopper
 from gain_map_files import jpeg, ultra_hdr_numbers, with_gain_map, xmp
 from photo_files import with_segments
+from PIL import Image
 
 from facecrf_ocio import Photo, calibrate, read_photo
 from facecrf_ocio.errors import PhotoError
@@ -27,9 +28,9 @@ from facecrf_ocio.joint.single_curve import (
     strange_skin,
     toned,
 )
-from facecrf_ocio.photo.edits import edits_told
+from facecrf_ocio.photo.edits import edits_told, made_as_told
 from facecrf_ocio.settings import JointSettings
-from facecrf_ocio.values import Lacking, Outcome, Verdict
+from facecrf_ocio.values import Camera, Lacking, Outcome, Verdict
 
 DEFAULTS = JointSettings()
 
@@ -172,6 +173,57 @@ def test_a_likely_tone_is_never_reliable() -> None:
 )
 def test_edits_that_the_file_tells_of(said: str, software: str, clauses: int) -> None:
     assert len(edits_told(said, software)) == clauses
+
+
+SOURCE = b"http://cv.iptc.org/newscodes/digitalsourcetype/"
+
+
+@pytest.mark.parametrize(
+    ("content", "camera", "rendered", "beside", "told"),
+    [
+        (b"", Camera(), 0, "", ""),
+        (SOURCE + b"trainedAlgorithmicMedia'/>", Camera(), 0, "", "(trainedAlgorithmicMedia)"),
+        # A photo and what was painted into it, as C2PA lists them.
+        (SOURCE + b"digitalCapture" + SOURCE + b"composite\0", Camera(), 0, "", "(composite)"),
+        (SOURCE + b'negativeFilm"', Camera(), 0, "", ""),
+        (SOURCE, Camera(), 0, "", ""),
+        (b"", Camera(), 0, "a face\nSteps: 20, Sampler: Euler a", "recipe"),
+        (b"", Camera(), 0, '{"3": {"class_type": "KSampler"}}', "recipe"),
+        (b"", Camera(), 0, "Steps: take a photo, and look", ""),
+        (b"", Camera("Apple", "iPhone XS"), 8, "", "(portrait mode)"),
+        (b"", Camera("Apple", "iPhone 6"), 3, "", "(HDR)"),
+        (b"", Camera("Apple", "iPhone 6"), 4, "", ""),  # the exposure kept beside an HDR picture
+        (b"", Camera("Canon", "EOS 5D"), 1, "", ""),  # a picture style
+    ],
+)
+def test_how_a_picture_came_to_be(
+    content: bytes, camera: Camera, rendered: int, beside: str, told: str
+) -> None:
+    found = made_as_told(content, camera, rendered, beside)
+    assert len(found) == bool(told)
+    assert told in "".join(found)
+
+
+def test_a_generator_signs_where_editors_do() -> None:
+    assert edits_told("", "Midjourney") == ("no camera took it (Midjourney)",)
+    said = 'xmp:CreatorTool="Adobe Firefly"'
+    assert edits_told(said, "") == ("no camera took it (Adobe Firefly)",)
+
+
+@pytest.mark.parametrize("suffix", [".png", ".jpg", ".avif", ".heic"])
+def test_a_file_that_says_that_no_camera_took_it(tmp_path: Path, suffix: str) -> None:
+    if suffix == ".heic":
+        pytest.importorskip("pillow_heif").register_heif_opener()
+    path = tmp_path / f"a{suffix}"
+    packet = f"<x:xmpmeta><rdf:RDF a='{SOURCE.decode()}algorithmicMedia'/></x:xmpmeta>".encode()
+    try:
+        Image.new("RGB", (64, 64), (120, 90, 80)).save(path, xmp=packet)
+    except (KeyError, OSError):
+        pytest.skip("Pillow writes none here")
+    if suffix == ".png":  # which Pillow writes without
+        path.write_bytes(path.read_bytes() + packet)
+    (edit,) = read_photo(path).edits
+    assert edit == "no camera took it, or not all of it (algorithmicMedia)"
 
 
 def test_an_edited_photo_is_never_reliable(tmp_path: Path) -> None:

@@ -5,7 +5,10 @@ from __future__ import annotations
 from facecrf_ocio.values import Camera, Primaries
 
 # Film scanners and their software digitize film, whose responses are DoRF's.
-_SCANNERS = ("scan", "coolscan", "nikon ls-", "noritsu", "frontier", "vuescan", "perfection")
+_SCANNERS = (
+    *("scan", "nikon ls-", "noritsu", "frontier", "fuji photo film co., ltd. sp-", "fujifilm sp-"),
+    *("perfection", "silverfast", "opticfilm", "flextight", "pakon", "negative lab pro"),
+)
 # [log odds] Of 20 cameras whose curves were solved from exposure stacks, one has a curve that is
 # likelier as film's, by a prior that saw none of them: 19 to 1. From e^2 to e^4 the error on curves
 # of cameras falls by 3 %, and grows by 9 % where a file that names one holds a picture with film's,

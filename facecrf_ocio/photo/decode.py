@@ -21,6 +21,9 @@ _BAND_ROWS = 64  # [px] read at once: what a processor keeps near, 1 MB of a pho
 PHOTOMETRIC = "tiff:PhotometricInterpretation"
 """Attribute of a TIFF that tells what its numbers mean."""
 _WHITE_IS_ZERO = 0  # TIFF 6.0
+# As libtiff says it of what it was built without, and of what it does not know.
+_UNKNOWN_COMPRESSION = re.compile(r"compression support is not configured|decoding is not impl")
+_COMPRESS = "save it with LZW or Deflate compression"
 
 
 def is_plain_16_bits(spec: Any, channels: Sequence[int]) -> bool:
@@ -70,6 +73,8 @@ def decode(path: Path, picture: Picture) -> Pixels:
 def _require_pixels(path: Path, source: Any, codes: Any) -> Pixels:
     """What a decoder gave, if it gave all of it."""
     problem = one_line(complaint(source.geterror), path) if source.has_error else ""
+    if _UNKNOWN_COMPRESSION.search(problem):
+        raise PhotoError(path, f"is compressed as cannot be undone here ({problem})", _COMPRESS)
     if problem or codes is None or codes.size == 0:
         raise PhotoError(path, f"is cut short or damaged ({problem or 'no pixels'})", COPY_AGAIN)
     return np.asarray(codes)

@@ -10,6 +10,7 @@ from facecrf_ocio.values import Camera
 
 _EXIF_DIRECTORY, _MAKER_NOTES = 0x8769, 0x927C  # tags (EXIF 2.32, sec. 4.6)
 _MAKE, _MODEL, _SOFTWARE, _BODY_SERIAL = 271, 272, 305, 0xA431  # tags (EXIF 2.32, sec. 4.6)
+_CUSTOM_RENDERED = 0xA401  # tag (EXIF 2.32, sec. 4.6)
 _APPLE, _APPLE_START = b"Apple iOS\0", 14  # [byte] then a directory, in the order of byte 12
 _SIGNED_FRACTION = 10  # type SRATIONAL of TIFF 6.0
 
@@ -31,6 +32,12 @@ def camera_of(exif: Any) -> Camera:
     serial = _directory(exif).get(_BODY_SERIAL, "")
     told = (*(exif.get(tag, "") for tag in (_MAKE, _MODEL)), serial, exif.get(_SOFTWARE, ""))
     return Camera(*(plain_text(text) for text in told))
+
+
+def custom_rendered(exif: Any) -> int:
+    """What EXIF tells of processing beyond the usual; 0 is the usual."""
+    told = _directory(exif).get(_CUSTOM_RENDERED, 0)
+    return told if isinstance(told, int) else 0
 
 
 def apple_headroom(exif: Any) -> float:

@@ -16,7 +16,8 @@ import numpy.typing as npt
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.photo.cicp import LINEAR, CodePoints, of_boxes, of_nclx
-from facecrf_ocio.photo.exif import apple_headroom, camera_of, load_exif
+from facecrf_ocio.photo.edits import edits_told, made_as_told
+from facecrf_ocio.photo.exif import apple_headroom, camera_of, custom_rendered, load_exif
 from facecrf_ocio.photo.gain_map import APPLE, GainMapError, apple_numbers, item_numbers
 from facecrf_ocio.photo.heif_boxes import with_primary, without_brand
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_size
@@ -66,6 +67,9 @@ def read_heif(file: PhotoFile, sha256: str) -> Photo:
     primaries = primaries_from_icc(icc) or (None if told is None else told.named_primaries())
     # A profile goes before the color box (ISO 23008-12, 6.5.5).
     curve = named_curve(None if icc else told, icc)
+    camera = camera_of(decoded.exif)
+    made = made_as_told(content, camera, custom_rendered(decoded.exif))
+    edits = edits_told(file.xmp, camera.software, made)
     file.forget()
     return Photo(
         encoded,
@@ -75,10 +79,11 @@ def read_heif(file: PhotoFile, sha256: str) -> Photo:
         grayscale=is_gray(encoded),
         alpha=None if alpha is None else frozen(alpha, np.float32),
         primaries=primaries,
-        camera=camera_of(decoded.exif),
+        camera=camera,
         path=file.path,
         sha256=sha256,
         gain_map=decoded.gain_map,
+        edits=edits,
         notes=(*decoded.notes, *profile_notes(icc)),
     )
 

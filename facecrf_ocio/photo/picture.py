@@ -27,10 +27,15 @@ class PhotoFile:
         self.path = path
 
     @cached_property
+    def head(self) -> bytes:
+        """Its first bytes."""
+        with self.path.open("rb") as file:
+            return file.read(HEAD)
+
+    @cached_property
     def kind(self) -> Kind | None:
         """By the first bytes; by the suffix where they tell of none; None where that is wrong."""
-        with self.path.open("rb") as file:
-            head = file.read(HEAD)
+        head = self.head
         told, named = kind_of(head), kind_named(self.path)
         if told is not None or named is None or named.reader == RAW or not named.starts:
             return told or named

@@ -15,6 +15,7 @@ from facecrf_ocio.files.threads import OtherThread
 
 Pixels = npt.NDArray[Any]
 Float32 = npt.NDArray[np.float32]
+_MANY_CODES = 32  # of 256; a picture made of few whole numbers may be light
 
 
 def code_values(codes: Pixels, bits: int) -> Float32:
@@ -63,6 +64,20 @@ def in_8_bits(values: Float32) -> Float32:
     np.rint(rounded, out=rounded)
     rounded /= np.float32(255)
     return rounded
+
+
+def holds_codes(pixels: Pixels) -> bool:
+    """Whether floating point holds nothing but whole numbers, many and up to 255: codes of 8 bits.
+
+    Counts of a sensor are whole numbers too, and go farther.
+    """
+    if pixels.dtype.kind != "f" or not (_is_whole(pixels[::31, ::31]) and _is_whole(pixels)):
+        return False
+    return len(np.unique(pixels)) > _MANY_CODES and 0 <= pixels.min() <= pixels.max() <= 255
+
+
+def _is_whole(pixels: Pixels) -> bool:
+    return bool((np.rint(pixels) == pixels).all())
 
 
 def unpremultiplied(color: Float32, alpha: Float32) -> Float32:

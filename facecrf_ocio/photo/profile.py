@@ -15,6 +15,9 @@ from facecrf_ocio.values import Float, Primaries
 _WHITE_XYZ = 0.05
 """[XYZ, white's Y is 1] by which the colorants' sum may miss white; makers round to 0.005."""
 
+_OF_PHOTOS = ("RGB", "GRAY")
+_BETWEEN = ("link", "abst", "nmcl")  # classes of profiles that no picture is in (ICC.1:2022, 7.2.5)
+
 
 def primaries_from_icc(profile: bytes) -> Primaries | None:
     """Primaries of a matrix profile as they were before adaptation to the profile's D50.
@@ -56,9 +59,12 @@ def _primaries(profile: bytes) -> Primaries | None:
         icc = ImageCms.ImageCmsProfile(BytesIO(profile)).profile
         colorants = (icc.red_colorant, icc.green_colorant, icc.blue_colorant)
         chad, white = icc.chromatic_adaptation, icc.media_white_point
-        space = icc.xcolor_space.strip()
+        space, kind = icc.xcolor_space.strip(), icc.device_class
     except (OSError, ImageCms.PyCMSError, ValueError, OverflowError) as error:
         raise _UnusableError("it is damaged") from error
+    if kind in _BETWEEN or space not in _OF_PHOTOS:
+        what = f"class {kind}" if kind in _BETWEEN else space or "no color"
+        raise _UnusableError(f"it is of {what}, and no photo's")
     if space != "RGB" or any(colorant is None for colorant in colorants):
         return None
     d50 = np.array([colorant[0] for colorant in colorants if colorant is not None], float)

@@ -24,26 +24,32 @@ from facecrf_ocio.photo.decode import (
     is_plain_16_bits,
     one_line,
 )
-from facecrf_ocio.photo.edits import edits_told
+from facecrf_ocio.photo.edits import edits_told, made_as_told
 from facecrf_ocio.photo.gain_map import jpeg_gain_map
 from facecrf_ocio.photo.heif import read_heif
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_file, check_size, photo_sha256
 from facecrf_ocio.photo.named_curve import is_other_curve, named_curve
+from facecrf_ocio.photo.no_photo import no_photo
 from facecrf_ocio.photo.orientation import orientation_of, upright
 from facecrf_ocio.photo.picture import PhotoFile, Picture, open_image, open_picture
 from facecrf_ocio.photo.pixels import (
     Pixels,
     code_values,
+    holds_codes,
     is_gray,
     three_channels,
     unpremultiplied,
 )
+from facecrf_ocio.photo.png_gamma import has_void_gamma
 from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
 from facecrf_ocio.photo.suffixes import HEIF
 from facecrf_ocio.values import Camera, Photo, Primaries, frozen
 
 _EXPORT = "convert it to DNG, or export a 16-bit TIFF"
 _CONVERT = "convert it to JPEG, PNG, TIFF or EXR"
+# Where generators of pictures leave their recipe: chunks of PNG, and EXIF.
+_BESIDE = ("parameters", "prompt", "Exif:UserComment")
+_AS_8_BIT = "save it with 8 bits a channel"
 _FULL_RANGE = "export it with code values of the full range"
 _COPY_OR_CONVERT = f"if it should be one, {COPY_AGAIN}; else {_CONVERT}"
 _INTEGERS = {oiio.UINT8, oiio.INT8, oiio.UINT16, oiio.INT16, oiio.UINT32, oiio.INT32}
@@ -93,7 +99,8 @@ def _read(file: PhotoFile, ask_sha256: Callable[[], str]) -> Photo:
     if picture is None:
         problem = one_line(complaint(oiio.geterror), file.path)
         problem = f"is not an image that can be read ({problem.partition('. Is it a file')[0]})"
-        return _read_raw(file, ask_sha256(), problem, _COPY_OR_CONVERT)
+        told = no_photo(file.head) or (problem, _COPY_OR_CONVERT)
+        return _read_raw(file, ask_sha256(), *told)
     try:
         return _read_image(file, picture, ask_sha256)
     finally:
@@ -130,13 +137,14 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
     channels, transparency = color_channels(path, spec), alpha_channel(spec)
     icc = icc_profile(spec)
     curve = named_curve(of_numbers(spec.getattribute("CICP")), icc)
-    scene_linear = _is_scene_linear(spec, icc, curve)
+    scene_linear = _is_scene_linear(spec, icc, curve) and not has_void_gamma(file.content)
     bits = spec.get_int_attribute("oiio:BitsPerSample", 8 * spec.format.size())
     turn = orientation_of(spec, file.xmp)
     gain_map, set_aside = (None, ()) if file.jpeg is None else jpeg_gain_map(file.jpeg, turn)
+    camera, alpha = _camera(spec), None
+    edits = edits_told(file.xmp, camera.software, _made(spec, file.content, camera))
     file.forget()
 
-    camera, alpha = _camera(spec), None
     if turn == 1 and is_plain_16_bits(spec, channels):
         pixels: Pixels = decode_by_bands(path, source, bits)
     else:
@@ -152,6 +160,8 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
     if alpha is not None and is_premultiplied(spec, file_format):
         pixels = unpremultiplied(pixels, alpha)
         pixels = pixels if scene_linear else np.minimum(pixels, np.float32(1))
+    if scene_linear and holds_codes(pixels):
+        raise PhotoError(path, "holds code values up to 255 as floating point, no light", _AS_8_BIT)
     pixels.flags.writeable = False
     told: dict[str, Any] = {
         "scene_linear": scene_linear,
@@ -162,7 +172,7 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
         "path": path,
         "sha256": ask_sha256(),
         "gain_map": gain_map,
-        "edits": edits_told(file.xmp, camera.software),
+        "edits": edits,
         "notes": (*picture.notes, *profile_notes(icc), *set_aside),
     }
     if pixels.dtype == np.uint8:
@@ -242,6 +252,12 @@ def primaries_of(spec: Any, icc: bytes) -> Primaries | None:
     if color_space == 2 or spec.get_string_attribute("Exif:InteroperabilityIndex") == "R03":
         return known_primaries("Adobe RGB", "EXIF")
     return known_primaries("Rec.709", "EXIF") if color_space == 1 else None
+
+
+def _made(spec: Any, content: bytes, camera: Camera) -> tuple[str, ...]:
+    rendered = spec.get_int_attribute("Exif:CustomRendered")
+    beside = " ".join(spec.get_string_attribute(name) for name in _BESIDE)
+    return made_as_told(content, camera, rendered, beside)
 
 
 def _camera(spec: Any) -> Camera:
