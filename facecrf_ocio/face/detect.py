@@ -223,7 +223,10 @@ def _eight_bit(level: Pixels, tone: Tone | None) -> npt.NDArray[np.uint8]:
         return level
     encoded = code_values(level, 8)
     encoded = encoded if tone is None else tone.apply(encoded)
-    return np.asarray(np.clip(encoded, 0.0, 1.0) * 255.0 + 0.5, dtype=np.uint8)
+    codes = np.clip(encoded, 0.0, 1.0)
+    codes *= np.float32(255)  # in one array: several take three times as long
+    codes += np.float32(0.5)
+    return codes.astype(np.uint8)
 
 
 def _turn(pixels: npt.NDArray[np.uint8], degrees: float) -> tuple[npt.NDArray[np.uint8], Float]:
