@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from facecrf_ocio.joint.noise_counts import count_noise
-from facecrf_ocio.joint.second_differences import LAGS, LEVELS, RESIDUES
+from facecrf_ocio.joint.second_differences import LAGS, LEVELS, RESIDUES, SecondDifferences
 from facecrf_ocio.joint.soft_edges import CHANNEL_PAIRS
 
 
@@ -79,3 +79,13 @@ def test_second_differences_are_counted_as_one_pixel_after_another(seed: int) ->
     assert counts.histograms[0] == pytest.approx(histograms)
     assert counts.pairs[0] == pytest.approx(pairs)
     assert counts.lags == pytest.approx(lags)
+
+
+@pytest.mark.parametrize("white", [255, 4 * 255, 16 * 255])
+def test_every_sum_of_nine_pixels_has_its_level(white: int) -> None:
+    sums = np.arange(9 * white + 1)
+    windows = (sums[:, None] + np.arange(9)) // 9  # as even as can be
+    planes = np.tile(windows.reshape(-1, 3, 3), (3, 1, 1, 1))
+    planes = planes.astype(np.uint8 if white == 255 else np.int16)
+    found = SecondDifferences.of(planes, white, None).level[:, :, 1, 1]
+    np.testing.assert_array_equal(found, np.tile(sums * LEVELS // (9 * white + 1), (3, 1)))

@@ -13,10 +13,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.values import Float
+from facecrf_ocio.values import Bool, Float
 
 SOFT_LEVELS = 8
 """Of 32 codes each."""
@@ -31,8 +32,7 @@ _LEAST, _MOST, _FLAT = (1, 25), (9, 20), (1, 5)
 _BLACK, _WHITE = 0.5, 254.5  # [code value] below and from which a pixel is clipped
 _LEVEL = 256 // SOFT_LEVELS  # codes
 _APART = 2  # columns, of the finest size alone: neighbors see the same edge, and cost the most
-# Share of all places with rises from which on all are looked at, which takes less time a place.
-_MANY = 0.1
+_SMALL = 4  # pixels of a sample, products of whose sums fit 16 bits
 _RUN = 7  # samples across an edge: both sides, three between them, and one beyond each side
 
 # Code values, times the pixels that a sample is the mean of: integers of 16 or 32 bits.
@@ -63,12 +63,12 @@ class SoftEdges:
 
 def count_soft_edges(codes: npt.NDArray[np.uint8]) -> SoftEdges:
     """Soft edges down and across the channels (3, N, H, W) of windows, of 8-bit codes."""
-    channels: Image = codes.astype(np.int16)
+    channels: Image = codes
     found: list[tuple[int, _Edges]] = []
     for number, size in enumerate(SOFT_SIZES):
         if size > 1:
             # Products with shares of a rise fit 16 bits up to sums of four pixels.
-            channels = _summed(channels if size == 2 else channels.astype(np.int32))
+            channels = _summed(channels.astype(np.int16 if size == 2 else np.int32))
         if not channels.size:
             break
         stacks = _stacks(channels, _APART if size == 1 else 1)
@@ -130,18 +130,10 @@ class _Edges:
     @classmethod
     def along(cls, stack: Image, unit: int) -> _Edges:
         """All of a stack."""
-        rise = stack[5:-1] - stack[1:-5]
-        far = np.abs(rise) >= _FAINTEST * unit
-        if np.count_nonzero(far) < _MANY * far.size:
-            places = np.flatnonzero(far)
-            run = _samples(stack, places)
-            places = places[_is_soft(np.diff(run, axis=0), rise.ravel()[places])]
-        else:
-            step = stack[1:] - stack[:-1]
-            last = len(step) - len(rise)
-            far &= _is_soft([step[k : len(step) - last + k] for k in range(last + 1)], rise)
-            places = np.flatnonzero(far)
+        places = np.flatnonzero(_may_be_soft(stack.reshape(len(stack), -1), unit))
         run = _samples(stack, places)
+        soft = _is_soft(run.astype(np.int16 if unit <= _SMALL else np.int32))
+        places, run = places[soft], run.compress(soft, axis=1)
         bright = run.max(axis=0) < _WHITE * unit
         places, run = places[bright], run.compress(bright, axis=1)
         return cls(stack, places, _in_codes(run, unit))
@@ -160,28 +152,36 @@ class _Edges:
         return _in_codes(_samples(self.stack, np.concatenate(pairs, axis=-1)), unit)
 
 
-def _is_soft(step: Sequence[Image] | Image, rise: Image) -> npt.NDArray[np.bool_]:
-    """Where seven samples rise or fall steadily between their sides, and hardly beyond these.
+def _may_be_soft(planes: Image, unit: int) -> Bool:
+    """(H - 6, W) where seven samples down planes (H, W) rise or fall enough, and all the way.
+
+    Few places are left of many that rise by noise, and those alone are looked at closer.
+    """
+    inner: Any = planes[1:-1]
+    far = np.asarray(cv2.absdiff(inner[4:], inner[:-4])) >= _FAINTEST * unit
+    # Bytes that fall do not rise at all: OpenCV does not let them wrap.
+    up, down = cv2.subtract(inner[1:], inner[:-1]), cv2.subtract(inner[:-1], inner[1:])
+    steady: Any = cv2.max(_least_of_four(up), _least_of_four(down))
+    far &= np.asarray(steady) > 0
+    return far
+
+
+def _least_of_four(steps: Any) -> Any:
+    """(H - 3, W) least of each four below one another in (H, W)."""
+    of_two: Any = cv2.min(steps[:-1], steps[1:])
+    return cv2.min(of_two[:-2], of_two[2:])
+
+
+def _is_soft(run: Image) -> Bool:
+    """(N,) where runs (7, N) rise or fall steadily between their sides, and hardly beyond these.
 
     In integers, since the shares of a rise are ratios of small ones.
-
-    Parameters
-    ----------
-    step
-        (6, ...) from each sample to the next.
-    rise
-        (...) from the second sample to the last but one, not 0.
     """
-    inner = step[1:5]
-    least, most = (
-        limit(limit(inner[0], inner[1]), limit(inner[2], inner[3]))
-        for limit in (np.minimum, np.maximum)
-    )
-    # Of what falls, the same with its sign turned. What does neither has a step of at most 0.
-    least, most = np.maximum(least, -most), np.maximum(most, -least)
-    rise = np.abs(rise)
-    found = least * _LEAST[1] >= rise * _LEAST[0]
-    found &= most * _MOST[1] <= rise * _MOST[0]
+    step = np.diff(run, axis=0)
+    inner = np.abs(step[1:5])
+    rise = np.abs(run[5] - run[1])
+    found = inner.min(axis=0) * _LEAST[1] >= rise * _LEAST[0]
+    found &= inner.max(axis=0) * _MOST[1] <= rise * _MOST[0]
     for beyond in (step[0], step[5]):
         found &= np.abs(beyond) * _FLAT[1] <= rise * _FLAT[0]
     return np.asarray(found)
