@@ -66,6 +66,10 @@ class PhotoError(FaceCRFError):
         name = "photo in memory" if path is None else str(path)
         super().__init__(f"{name}: {problem}; {remedy}")
 
+    def __reduce__(self) -> tuple[type[PhotoError], tuple[Path | None, str, str]]:
+        """Pickle by what it was made of, or a pool of processes breaks on the way back."""
+        return type(self), (self.path, self.problem, self.remedy)
+
 
 class LutError(FaceCRFError):
     """A LUT cannot be written, read, or did not read back as it was written."""
@@ -90,6 +94,10 @@ class ExistsError(OutputError):
         self.target = target
         self.problem = problem
         super().__init__(f"{target}: {problem}; {OVERWRITE}")
+
+    def __reduce__(self) -> tuple[type[ExistsError], tuple[Path, str]]:
+        """Pickle by what it was made of, or a pool of processes breaks on the way back."""
+        return type(self), (self.target, self.problem)
 
 
 IS_FOLDER = "is a folder"
