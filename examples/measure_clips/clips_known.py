@@ -24,7 +24,8 @@ from facecrf_ocio.benchmark.metrics import Score, score
 from facecrf_ocio.benchmark.responses import Responses, spread_rows
 from facecrf_ocio.benchmark.store import Store
 from facecrf_ocio.benchmark.virtual_camera import count_codes
-from facecrf_ocio.clip.calibrate_clip import ClipEstimate, calibrate_clip
+from facecrf_ocio.clip.calibrate_clip import calibrate_clip
+from facecrf_ocio.clip.clip_estimate import ClipEstimate
 from facecrf_ocio.clip.clip_source import open_clip
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.response.fixed import fixed_curve

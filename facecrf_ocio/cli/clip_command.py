@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,8 +23,9 @@ from facecrf_ocio.errors import LutError
 from facecrf_ocio.files.plain_text import counted
 
 if TYPE_CHECKING:
-    from facecrf_ocio.clip.calibrate_clip import ClipEstimate
+    from facecrf_ocio.clip.clip_estimate import ClipEstimate
     from facecrf_ocio.clip.frame_list import Clip
+    from facecrf_ocio.values import Estimate
 
 
 @click.command()
@@ -78,16 +80,24 @@ def clip(
             named, estimate, chosen.settings, output, formats,
             overwrite=chosen.overwrite or exr, name=opened.name,
         )  # fmt: skip
-        for number, shot in enumerate(found.shots, start=1):
-            if shot.estimate is not None:
-                written += write_outputs(
-                    named, shot.estimate, chosen.settings, output, formats,
-                    overwrite=chosen.overwrite or exr, name=f"{opened.name}.shot{number}",
-                )  # fmt: skip
+        for part, own in _own_curves(found):
+            written += write_outputs(
+                named, own, chosen.settings, output, formats,
+                overwrite=chosen.overwrite or exr, name=f"{opened.name}.{part}",
+            )  # fmt: skip
     code = tell(source, estimate, written, notes=_notes(opened, found), verbose=chosen.verbose)
     if exr:
         _write_frames(opened, found, output, overwrite=chosen.overwrite)
     return code
+
+
+def _own_curves(found: ClipEstimate) -> Iterator[tuple[str, Estimate]]:
+    """Parts that have a curve of their own, by what their files are named after the clip."""
+    for number, shot in enumerate(found.shots, start=1):
+        if shot.estimate is not None:
+            yield f"shot{number}", shot.estimate
+    for number, stretch in enumerate(found.stretches, start=1):
+        yield f"stretch{number}", stretch.estimate
 
 
 def _notes(opened: Clip, found: ClipEstimate) -> tuple[str, ...]:
@@ -101,6 +111,8 @@ def _notes(opened: Clip, found: ClipEstimate) -> tuple[str, ...]:
             f"the curve {drifts}: where the scene shows it, both ends lie {found.drift:.4f} apart "
             f"(standard error {found.drift_error:.4f})"
         )
+        if found.drifts:
+            notes.append(_course(found))
         if found.exposures_told:
             notes.append("the files tell exposures that differ, which show the curve as a bracket")
         if found.noise_told:
@@ -114,13 +126,24 @@ def _notes(opened: Clip, found: ClipEstimate) -> tuple[str, ...]:
     return tuple(notes)
 
 
+def _course(found: ClipEstimate) -> str:
+    if not found.stretches:
+        return "when its curve changes cannot be told: all frames have the one"
+    each = ", ".join(
+        f"stretch {number} (frames {one.frames[0] + 1} to {one.frames[-1] + 1})"
+        for number, one in enumerate(found.stretches, start=1)
+    )
+    how = "goes evenly" if found.evenly else "jumps between frames that were looked at"
+    return f"its curve {how}: {each} have curves of their own"
+
+
 def _write_frames(opened: Clip, found: ClipEstimate, output: Path, *, overwrite: bool) -> None:
     from facecrf_ocio.clip.exr_sequence import write_sequence
     from facecrf_ocio.record.output_names import EXR, output_path
 
     folder, kept, count = output_path(output, opened.name, EXR), 0, 0
     with status(f"writing {counted(len(opened.times), 'frame')}"):
-        for _, there in write_sequence(opened, found.estimate, folder, overwrite=overwrite):
+        for _, there in write_sequence(opened, found.of_frame, folder, overwrite=overwrite):
             kept, count = kept + there, count + 1
     was = f", {kept} of them there already" if kept else ""
     say(f"  {folder}: {counted(count, 'frame')}{was}")

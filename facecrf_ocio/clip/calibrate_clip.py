@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from facecrf_ocio.calibrate import calibrate
 from facecrf_ocio.clip.chosen_frames import ChosenFrame, choose_frames
+from facecrf_ocio.clip.clip_estimate import ClipEstimate, Shot, Stretch, is_drift
+from facecrf_ocio.clip.curve_course import (
+    CurveCourse,
+    Levels,
+    course_of_points,
+    levels_of,
+    posterior_at,
+)
 from facecrf_ocio.clip.frame_list import Clip
 from facecrf_ocio.clip.frame_noise import Image, noise_levels
 from facecrf_ocio.clip.jpeg_frames import holds_jpeg
 from facecrf_ocio.clip.noise_light import add_noise
 from facecrf_ocio.clip.shared_light import add_points, drift_of_points
-from facecrf_ocio.clip.tracked_points import track
+from facecrf_ocio.clip.tracked_points import TrackedPoints, track
 from facecrf_ocio.joint import (
     JointModel,
     PhotoEvidence,
@@ -41,71 +49,8 @@ that no band is too narrow."""
 
 _LEAST_STOPS = 0.3  # [stop] of exposures that tell anything of the curve
 _SAME_SHOT = 0.5  # correlation of the brightness ranks of thumbnails, 32 x 18
-_SURE = 3.0  # standard errors from which a difference between both ends is a drift
-_LEAST_DRIFT = 0.003  # RMSE where points lie; clips without drift show 0.0015 at most
 _FEWEST = 4  # frames that a drift is told from
 _PAIRS = 6  # of frames that follow one another, whose noise is measured; more tell hardly more
-
-
-@dataclass(frozen=True, slots=True)
-class Shot:
-    """A part of a clip between cuts, as far as chosen frames tell.
-
-    Attributes
-    ----------
-    frames
-        Indices of the frames it was calibrated from.
-    estimate
-        Its own curve; None where it fits the clip's.
-    misfit
-        [standard deviation] how far its evidence lies from the clip's curve.
-    """
-
-    frames: tuple[int, ...]
-    estimate: Estimate | None
-    misfit: float
-
-
-@dataclass(frozen=True, slots=True)
-class ClipEstimate:
-    """What a clip gives.
-
-    Attributes
-    ----------
-    estimate
-        The curve of all frames.
-    frames
-        Indices of those it comes from; none where the stream names its curve.
-    shots
-        Parts between cuts.
-    drift
-        RMSE between the curves of both ends, over the codes that the scene shows.
-    drift_error
-        Standard error of that.
-    exposure_stops
-        [stop] How much the brightness of the face's light varied, from least to most.
-    alone
-        What each of the frames says alone.
-    exposures_told
-        Whether files told exposures that differ, by which the curve was found.
-    noise_told
-        Whether the noise of frames that follow one another told the curve's exponent.
-    """
-
-    estimate: Estimate
-    frames: tuple[int, ...] = ()
-    shots: tuple[Shot, ...] = ()
-    drift: float = 0.0
-    drift_error: float = 0.0
-    exposure_stops: float = 0.0
-    alone: tuple[Estimate, ...] = ()
-    exposures_told: bool = False
-    noise_told: bool = False
-
-    @property
-    def drifts(self) -> bool:
-        """Whether the curve changes over time, beyond doubt."""
-        return self.drift > max(_LEAST_DRIFT, _SURE * self.drift_error)
 
 
 def calibrate_clip(
@@ -149,41 +94,84 @@ def calibrate_clip(
     longest = max(shots, key=len)
     points = track([one.small for one in longest]) if len(longest) > 1 else None
     told = _told_stops(longest)
-    faces: list[Posterior] = []
-    noise: list[Posterior] = []
-
-    def besides(posterior: Posterior) -> Posterior:
-        faces.append(posterior)
-        if points is not None and told is not None:
-            return add_points(posterior, points, told, model.prior, model.band_scale)
-        if clip.motion_jpeg or any(one.path and holds_jpeg(one.path) for one in longest):
-            return posterior
-        levels = noise_levels(_pairs(clip, [one.index for one in longest]))
-        found = add_noise(posterior, levels, model.prior, model.band_scale)
-        noise.extend([] if found is None else [found])
-        return posterior if found is None else found
-
+    besides = _Besides(clip, longest, points, told, model)
     shared = settings is not None and settings.shared_curve
     concluded = partial(conclude, prior=prior, model=model, shared=shared)
-    pooled = _of_frames(concluded, evidence, besides)
+    pool = partial(_of_frames, concluded, evidence)
+    pooled = pool(besides)
     alone = tuple(concluded([one]) for one in evidence)
+    stretches: tuple[Stretch, ...] = ()
+    evenly = False
     if points is None:
         drift, error = _drift([one.curve.linear[0] for one in alone])
     else:
         times = np.array([one.index for one in longest]) / (len(clip.times) - 1) - 0.5
-        drift, error = drift_of_points(faces[0], points, times, model.prior)
+        drift, error = drift_of_points(besides.faces, points, times, model.prior)
+        if is_drift(drift, error):
+            course = course_of_points(besides.faces, points, times, model.prior)
+            levels = levels_of(course.places, times)
+            stretches = tuple(_stretches(levels, course, longest, besides, pool))
+            evenly = levels is not None and levels.even
     light = [np.log2(_level(one.face_codes, pooled)) for one in chosen]
     return ClipEstimate(
         pooled,
         tuple(one.index for one in chosen),
-        _shots(shots, _of_frames(concluded, evidence), concluded, model),
+        _shots(shots, pool(), concluded, model),
         drift,
         error,
         float(np.ptp(light)),
         alone,
         points is not None and told is not None,
-        bool(noise),
+        besides.noise_told,
+        stretches,
+        evenly,
     )
+
+
+class _Besides:
+    """What a clip tells besides its frames' faces; called with what these leave, it keeps both."""
+
+    def __init__(
+        self,
+        clip: Clip,
+        shot: Sequence[ChosenFrame],
+        points: TrackedPoints | None,
+        stops: Float | None,
+        model: JointModel,
+    ) -> None:
+        self.clip, self.shot, self.points, self.stops = clip, shot, points, stops
+        self.model = model
+        self.noise_told = False
+
+    def __call__(self, posterior: Posterior) -> Posterior:
+        self.faces = posterior
+        self.whole = self._with_others(posterior)
+        return self.whole
+
+    def _with_others(self, faces: Posterior) -> Posterior:
+        prior, scale = self.model.prior, self.model.band_scale
+        if self.points is not None and self.stops is not None:
+            return add_points(faces, self.points, self.stops, prior, scale)
+        if self.clip.motion_jpeg or any(one.path and holds_jpeg(one.path) for one in self.shot):
+            return faces
+        levels = noise_levels(_pairs(self.clip, [one.index for one in self.shot]))
+        found = add_noise(faces, levels, prior, scale)
+        self.noise_told = found is not None
+        return faces if found is None else found
+
+
+def _stretches(
+    levels: Levels | None,
+    course: CurveCourse,
+    shot: Sequence[ChosenFrame],
+    besides: _Besides,
+    pool: _Concluded,
+) -> Iterator[Stretch]:
+    """Parts of a shot whose curve changes, each with its own."""
+    for level in levels.parts if levels else ():
+        own = posterior_at(level.place, course, besides.whole, besides.model.band_scale)
+        used = shot[level.first : level.last + 1]
+        yield Stretch(tuple(one.index for one in used), pool(_known(own)))
 
 
 def _pairs(clip: Clip, frames: Sequence[int]) -> Iterator[tuple[Image, Image]]:
@@ -212,6 +200,11 @@ def _of_frames(
     pooled = concluded(evidence, correlation=CORRELATION, besides=besides)
     reason = pooled.reason.replace("photos", "frames").replace("1 photo", "1 frame")
     return replace(pooled, reason=reason)
+
+
+def _known(posterior: Posterior) -> Callable[[Posterior], Posterior]:
+    """What to conclude from, whatever the frames' own evidence leaves."""
+    return lambda _: posterior
 
 
 def _told_stops(shot: Sequence[ChosenFrame]) -> Float | None:

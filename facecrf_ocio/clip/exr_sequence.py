@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 
 import OpenImageIO as oiio  # noqa: N813
@@ -18,39 +19,46 @@ _READ_AT_ONCE = 64  # frames between which a run that was broken off loses nothi
 
 
 def write_sequence(
-    clip: Clip, estimate: Estimate, folder: Path, *, overwrite: bool = False
+    clip: Clip, estimates: Callable[[int], Estimate], folder: Path, *, overwrite: bool = False
 ) -> Iterator[tuple[Path, bool]]:
     """Write NAME.NNNN.exr for every frame; yields each with whether it was there already.
 
-    A frame is there if its EXR names the same curve and the same frame.
+    `estimates` gives the one of a frame's index. A frame is there if its EXR names the same curve
+    and the same frame.
     """
-    digest = hashlib.sha256(estimate.curve.linear.tobytes()).hexdigest()[:16]
     targets = [folder / f"{clip.name}.{n + 1:04d}.exr" for n in range(len(clip.times))]
     folder.mkdir(parents=True, exist_ok=True)
     wanted = []
     for index, target in enumerate(targets):
-        if _is_there(target, digest, clip.names[index]):
+        if _is_there(target, _digest(estimates(index)), clip.names[index]):
             yield target, True
         else:
             wanted.append(index)
-    lookup = curve_lookup(estimate.curve)
+    lookup = cache(curve_lookup)  # one a curve, of which there are few
     for begin in range(0, len(wanted), _READ_AT_ONCE):
         part = wanted[begin : begin + _READ_AT_ONCE]
         for index, photo in zip(part, clip.read(part), strict=True):
+            estimate = estimates(index)
             provenance = {
                 "outcome": str(estimate.outcome),
                 "estimator": estimate.estimator,
                 "version": __version__,
-                "curve": digest,
+                "curve": _digest(estimate),
                 "frame": clip.names[index],
                 "timecode": timecode(clip.times[index], clip.rate),
                 "frames_per_second": f"{clip.rate:.6g}",
             }
-            rows = photo.encoded if photo.scene_linear else linear_rows(photo, lookup)
+            rows = (
+                photo.encoded if photo.scene_linear else linear_rows(photo, lookup(estimate.curve))
+            )
             yield (
                 write_exr(targets[index], rows, photo, provenance=provenance, overwrite=overwrite),
                 False,
             )
+
+
+def _digest(estimate: Estimate) -> str:
+    return hashlib.sha256(estimate.curve.linear.tobytes()).hexdigest()[:16]
 
 
 def timecode(seconds: float, rate: float) -> str:

@@ -1,0 +1,134 @@
+"""Values of points that frames share, and how they depend on the coefficients of a curve."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from facecrf_ocio.clip.tracked_points import TrackedPoints
+from facecrf_ocio.joint.prior import FamilyPrior
+from facecrf_ocio.values import CHANNELS, Bool, Float
+
+_TUKEY = 4.685  # 95 % efficient for Gaussian residuals
+_CODE_NOISE = 0.5  # [code value] of a patch's mean, with what codecs do to it
+_FLOOR = 0.02  # [stop] what points differ by at best: lights that flicker, vignetting, shading
+_NEWTON = 3  # steps from a code to that of its fitted light
+_LEAST_ROOT = 0.02  # of the root of light, where the logarithm would run away
+_UNKNOWN = 10.0  # [stop] standard deviation of exposures of which nothing is known
+_TOLD = 0.03  # [stop] of those that files tell: shutters, and what they leave out
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Values:
+    """All usable values, those of a point one after another; each channel is a point of its own.
+
+    `codes` (V,) in [0, 1], `time` (V,), `group` (V,) of frame and channel, `first` (P,) place of
+    each point's first value, `groups` how many there are; `stops` (V,) what is known of the
+    exposures, and `loose` [stop] how far they may lie from that.
+    """
+
+    codes: Float
+    time: Float
+    group: np.typing.NDArray[np.intp]
+    first: np.typing.NDArray[np.intp]
+    groups: int
+    stops: Float
+    loose: float
+
+
+def values_of(points: TrackedPoints, times: Float, stops: Float | None) -> Values:
+    """What is usable of points in J frames, of these times and told exposures (J,), if any."""
+    usable: Bool = np.repeat(points.usable[:, :, None], len(CHANNELS), axis=2)
+    shots = len(points.codes)
+    flat = usable.reshape(shots, -1).T
+    point, shot = np.nonzero(flat)
+    codes = points.codes.reshape(shots, -1).T[point, shot] / 255.0
+    group = shot * len(CHANNELS) + point % len(CHANNELS)
+    first = np.flatnonzero(np.diff(point, prepend=-1))
+    told = np.zeros(shots) if stops is None else stops
+    return Values(
+        codes,
+        np.asarray(times)[shot],
+        group,
+        first,
+        shots * len(CHANNELS),
+        np.asarray(told)[shot],
+        _UNKNOWN if stops is None else _TOLD,
+    )
+
+
+def log_light(codes: Float, values: Values, found: Float, prior: FamilyPrior) -> Float:
+    """(V,) log2 of light of codes, each at its own time."""
+    basis, _ = _basis(codes, prior)
+    own = found[: found.size // 2] + values.time[:, None] * found[found.size // 2 :]
+    mean = np.interp(codes, prior.grid, prior.mean)
+    return np.asarray(2.0 * np.log2(np.maximum(mean + (basis * own).sum(axis=1), _LEAST_ROOT)))
+
+
+def _basis(codes: Float, prior: FamilyPrior) -> tuple[Float, Float]:
+    """(V, M) eigenvectors at codes, and their slopes."""
+    last = prior.grid.size - 1
+    place = np.clip(codes, 0.0, 1.0) * last
+    low = np.minimum(place.astype(np.intp), last - 1)
+    at, step = prior.basis.T[low], prior.basis.T[low + 1]
+    return at + (place - low)[:, None] * (step - at), (step - at) * last
+
+
+def linearized(
+    codes: Float, values: Values, found: Float, prior: FamilyPrior
+) -> tuple[Float, Float]:
+    """Derivatives (V, 2 M) of the log light of codes, and noise (V,) there in stops."""
+    size = found.size // 2
+    basis, slopes = _basis(codes, prior)
+    own = found[:size] + values.time[:, None] * found[size:]
+    slope_of_mean = np.interp(codes, prior.grid, np.gradient(prior.mean, prior.grid))
+    mean = np.interp(codes, prior.grid, prior.mean)
+    root = np.maximum(mean + (basis * own).sum(axis=1), _LEAST_ROOT)
+    slope = np.maximum(slope_of_mean + (slopes * own).sum(axis=1), 0.0)
+    per_root = 2.0 / (np.log(2.0) * root)
+    rows = per_root[:, None] * basis
+    noise = np.hypot(_FLOOR, per_root * slope * _CODE_NOISE / 255.0)
+    return np.hstack([rows, values.time[:, None] * rows]), noise
+
+
+def fitted_codes(fitted: Float, values: Values, found: Float, prior: FamilyPrior) -> Float:
+    """(V,) codes that the curve gives to fitted log light, by Newton steps from the codes seen.
+
+    Derivatives are taken there and not at the codes seen: noise would be in them and in what they
+    are to explain, and pull toward the curve that explains everything, which is a flat one.
+    """
+    codes = values.codes
+    for _ in range(_NEWTON):
+        rows = log_light(codes, values, found, prior)
+        step = 1.0 / (prior.grid.size - 1)
+        slope = (log_light(codes + step, values, found, prior) - rows) / step
+        codes = np.clip(codes + np.clip((fitted - rows) / np.maximum(slope, 0.5), -0.1, 0.1), 0, 1)
+    return codes
+
+
+def robust_weights(left: Float, noise: Float) -> Float:
+    """Inverse variances by Tukey's biweight of what is left unexplained."""
+    standard = left / noise
+    scale = max(1.4826 * float(np.median(np.abs(standard))), 0.25)
+    tukey = np.clip(1.0 - (standard / (_TUKEY * scale)) ** 2, 0.0, 1.0) ** 2
+    return np.asarray(tukey / (noise * max(scale, 1.0)) ** 2)
+
+
+def unexplained(columns: Float, weights: Float, values: Values, alike: float) -> Float:
+    """Columns less what one number a point and one a frame and channel explain of them."""
+    apart = centered(columns, weights, values.first)
+    shown: Float = np.zeros((len(columns), values.groups))
+    shown[np.arange(len(columns)), values.group] = 1.0
+    shown = centered(shown, weights, values.first)
+    normal = shown.T @ (shown * weights[:, None]) + np.eye(values.groups) * alike / values.loose**2
+    explained = np.linalg.solve(normal, shown.T @ (apart * weights[:, None]))
+    return np.asarray(apart - shown @ explained)
+
+
+def centered(columns: Float, weights: Float, first: np.typing.NDArray[np.intp]) -> Float:
+    """Columns less their weighted mean over the values of each point."""
+    sums = np.add.reduceat(columns * weights[:, None], first)
+    total = np.maximum(np.add.reduceat(weights, first), 1e-12)
+    count = np.diff(first, append=len(columns))
+    return np.asarray(columns - np.repeat(sums / total[:, None], count, axis=0))
