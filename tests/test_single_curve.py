@@ -131,6 +131,15 @@ def test_skin_that_is_more_blue_than_red_is_told() -> None:
     assert strange_skin(np.zeros_like(photo), FACE) == ""
 
 
+def test_skin_that_is_more_green_than_red_is_told() -> None:
+    photo = np.array(grace_hopper())
+    swapped = gather(Photo(np.ascontiguousarray(photo[..., [1, 0, 2]])))
+    assert "more green than red" in swapped.doubt
+    confidence = conclude([replace(swapped, messages=surely(swapped))]).confidence
+    assert confidence is not None
+    assert confidence.verdict is Verdict.WEAK
+
+
 def test_calibrate_says_what_is_wrong() -> None:
     estimate = calibrate(Photo(np.clip(in_tone((0.95, 1.0, 1.05)), 0.0, 1.0)))
     assert estimate.outcome is Outcome.NOT_CALIBRATED
