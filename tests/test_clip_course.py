@@ -72,6 +72,11 @@ def test_each_stretch_changes_the_clips_curve_as_it_is_true():
         assert np.trace(own.covariance) > np.trace(whole.covariance)
 
 
+def test_exposure_that_goes_one_way_can_feign_a_course():
+    assert course(EVENLY, 1.5 * TIMES).with_exposure
+    assert not course(EVENLY, WANDERING).with_exposure
+
+
 def test_a_course_that_scatters_as_much_as_it_goes_is_not_told():
     generator = np.random.default_rng(0)
     assert levels_of(0.3 * TIMES + generator.normal(0.0, 0.3, 12), TIMES) is None

@@ -127,6 +127,11 @@ def _notes(opened: Clip, found: ClipEstimate) -> tuple[str, ...]:
 
 
 def _course(found: ClipEstimate) -> str:
+    if found.maybe_feigned:
+        return (
+            "its exposure only rises or only falls, which can feign a drift: all frames have the "
+            "one curve"
+        )
     if not found.stretches:
         return "when its curve changes cannot be told: all frames have the one"
     each = ", ".join(

@@ -101,7 +101,7 @@ def calibrate_clip(
     pooled = pool(besides)
     alone = tuple(concluded([one]) for one in evidence)
     stretches: tuple[Stretch, ...] = ()
-    evenly = False
+    evenly = feigned = False
     if points is None:
         drift, error = _drift([one.curve.linear[0] for one in alone])
     else:
@@ -109,7 +109,8 @@ def calibrate_clip(
         drift, error = drift_of_points(besides.faces, points, times, model.prior)
         if is_drift(drift, error):
             course = course_of_points(besides.faces, points, times, model.prior)
-            levels = levels_of(course.places, times)
+            feigned = course.with_exposure
+            levels = None if feigned else levels_of(course.places, times)
             stretches = tuple(_stretches(levels, course, longest, besides, pool))
             evenly = levels is not None and levels.even
     light = [np.log2(_level(one.face_codes, pooled)) for one in chosen]
@@ -125,6 +126,7 @@ def calibrate_clip(
         besides.noise_told,
         stretches,
         evenly,
+        feigned,
     )
 
 

@@ -73,6 +73,8 @@ class ClipEstimate:
         Of the longest shot, where its curve changes and it shows when; empty otherwise.
     evenly
         Whether the curve goes evenly from the first of them to the last, and does not jump.
+    maybe_feigned
+        Whether exposure goes one way over time, which can feign the drift that is told.
     """
 
     estimate: Estimate
@@ -86,6 +88,7 @@ class ClipEstimate:
     noise_told: bool = False
     stretches: tuple[Stretch, ...] = ()
     evenly: bool = False
+    maybe_feigned: bool = False
 
     @property
     def drifts(self) -> bool:
