@@ -307,6 +307,7 @@ def test_ends_of_lines_marks_and_unknown_words_are_found(tmp_path: Path) -> None
     for content, problem in (
         (CUBE.replace("\n", "\r").encode(), "its lines end in CR alone"),
         (b"\xef\xbb\xbf" + CUBE.encode(), "byte-order mark"),
+        (CUBE.encode("utf-16"), "two bytes a letter"),
         (CUBE.replace("\n", "\nLUT_IN_VIDEO_RANGE\n", 1).encode(), "'LUT_IN_VIDEO_RANGE'"),
     ):
         (tmp_path / "a.cube").write_bytes(content)

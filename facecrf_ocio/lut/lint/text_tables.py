@@ -46,6 +46,8 @@ def _tables(path: Path, content: bytes, read: Callable[[Path, _Lines], list[Tabl
     if content.startswith(b"\xef\xbb\xbf"):
         problem = "it begins with a byte-order mark, which belongs to no LUT"
         return [broken(path, 1, problem, "save it as plain ASCII")]
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return [broken(path, 1, "it is UTF-16, two bytes a letter", "save it as plain ASCII")]
     if b"\r" in content and b"\n" not in content:
         return [broken(path, 1, "its lines end in CR alone", "save it with LF, or CR and LF")]
     text = content.decode("utf-8", "replace")
