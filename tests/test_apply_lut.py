@@ -28,7 +28,7 @@ from facecrf_ocio import read_photo
 from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
 from facecrf_ocio.errors import LutError, SettingsError
 from facecrf_ocio.image.apply import apply_lut
-from facecrf_ocio.image.lut_lookup import lut_lookup
+from facecrf_ocio.image.lut_lookup import lut_lookup, lut_processor
 from facecrf_ocio.lut.write import write_lut
 from facecrf_ocio.values import InverseCRF, Photo
 
@@ -75,6 +75,20 @@ class TestDirection:
         lookup = lut_lookup(write_lut(GAMMA, tmp_path / "a.cube"), "encode")
         assert np.allclose(lookup.apply(RAMP**2.2), RAMP, atol=1e-3)
         assert lookup.leads_to(Photo(RAMP).primaries) is None
+
+    @pytest.mark.parametrize("suffix", [".cube", ".CUBE", ".spi1d"])
+    def test_decimal_commas_are_refused(self, suffix: str, tmp_path: Path) -> None:
+        """OpenColorIO takes `0,5` for 0, and the image came out black."""
+        rows = ["0,0 0,0 0,0", "0,5 0,5 0,5", "1,0 1,0 1,0"]
+        head = ["LUT_1D_SIZE 3"]
+        if suffix == ".spi1d":
+            head, rows = ["Version 1", "From 0 1", "Length 3", "Components 3", "{"], [*rows, "}"]
+        lut = tmp_path / f"a{suffix}"
+        lut.write_text("\n".join([*head, *rows]) + "\n", encoding="ascii")
+        with pytest.raises(LutError, match=f"line {len(head) + 1} has a decimal comma"):
+            lut_processor(lut)
+        lut.write_text("\n".join([*head, *rows]).replace(",", ".") + "\n", encoding="ascii")
+        assert lut_processor(lut) is not None
 
     def test_unknown_directions_are_refused(self, tmp_path: Path) -> None:
         with pytest.raises(SettingsError, match="no direction 'back'; known: linearize, encode"):

@@ -50,11 +50,21 @@ def _tables(path: Path, content: bytes, read: Callable[[Path, _Lines], list[Tabl
         return [broken(path, 1, "it is UTF-16, two bytes a letter", "save it as plain ASCII")]
     if b"\r" in content and b"\n" not in content:
         return [broken(path, 1, "its lines end in CR alone", "save it with LF, or CR and LF")]
-    text = content.decode("utf-8", "replace")
-    for line, words in _lines(text) if "," in text else ():
-        if any(DECIMAL_COMMA.search(word) for word in words):
-            return [broken(path, line, "a number has a decimal comma", "write decimal points")]
-    return read(path, _lines(text))
+    line = decimal_comma(content)
+    if line:
+        return [broken(path, line, "a number has a decimal comma", "write decimal points")]
+    return read(path, _lines(content.decode("utf-8", "replace")))
+
+
+def decimal_comma(content: bytes) -> int:
+    """The first line of a text's numbers that has a decimal comma, 0 if none has.
+
+    OpenColorIO reads such numbers up to the comma, without a word.
+    """
+    if b"," not in content:
+        return 0
+    lines = _lines(content.decode("utf-8", "replace"))
+    return next((n for n, words in lines if any(map(DECIMAL_COMMA.search, words))), 0)
 
 
 def _lines(text: str) -> _Lines:
