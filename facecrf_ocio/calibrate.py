@@ -14,7 +14,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from facecrf_ocio.color.signals import decode_hlg, decode_log, decode_pq
+from facecrf_ocio.color.signals import decode_film_scan, decode_hlg, decode_log, decode_pq
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.estimators import (
     ESTIMATORS,
@@ -202,6 +202,11 @@ _NAMED: dict[str, tuple[Callable[[Float], Float], str, str]] = {
     "HLG": (decode_hlg, "ITU-R BT.2100", _UNGRADED),
     "log 100:1": (partial(decode_log, decades=2.0), "ITU-T H.273", _UNGRADED),
     "log 316:1": (partial(decode_log, decades=2.5), "ITU-T H.273", _UNGRADED),
+    "Cineon log": (
+        decode_film_scan,
+        "Kodak, 1995",
+        "the scene's by a straight line for all films, bent where theirs are, if nobody graded it",
+    ),
 }
 _NAMED_SIZE = 4096
 """Samples of such a curve: linear between them, PQ is met within 0.2 % from code 16 of 255 on."""
@@ -211,7 +216,8 @@ def _named_by_file(photo: Photo) -> Estimate:
     """The curve that the file names, exactly; there is nothing to estimate."""
     decode, source, light = _NAMED[photo.named_curve]
     encoded = np.linspace(0.0, 1.0, _NAMED_SIZE)
-    linear = decode(encoded)
+    # A curve must rise, also where it shows no light yet: by a billionth of white.
+    linear = np.maximum(decode(encoded), 1e-9 * encoded)
     linear[0], linear[-1] = 0.0, 1.0  # but for rounding
     return Estimate(
         Outcome.NAMED,

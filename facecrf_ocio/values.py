@@ -158,8 +158,8 @@ class Photo:
     scene_linear
         True where the values are proportional to light already.
     named_curve
-        `PQ` or `HLG` (ITU-R BT.2100), `log 100:1` or `log 316:1` (ITU-T H.273) where the file names
-        that for its code values, else empty.
+        `PQ` or `HLG` (ITU-R BT.2100), `log 100:1` or `log 316:1` (ITU-T H.273), or `Cineon log`
+        (Kodak) where the file names that for its code values, else empty.
     grayscale
         True where the file has one color channel (repeated in `encoded`).
     alpha

@@ -14,10 +14,10 @@ from photo_files import matrix_profile, random_codes
 from PIL import Image
 
 from facecrf_ocio import calibrate, read_photo
-from facecrf_ocio.color.signals import decode_hlg, decode_pq
+from facecrf_ocio.color.signals import decode_film_scan, decode_hlg, decode_pq
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.image.linearize import write_linear
-from facecrf_ocio.photo.named_curve import curve_of_profile
+from facecrf_ocio.photo.named_curve import curve_of_profile, curve_of_scan
 from facecrf_ocio.values import Outcome, Verdict
 
 PROFILE = matrix_profile((0.64, 0.33), (0.3, 0.6), (0.15, 0.06), (0.3127, 0.329))
@@ -84,6 +84,62 @@ def test_the_curves_are_opencolorios(name: str) -> None:
     cpu.applyRGB(pixels)
     theirs = pixels[:, 0]
     assert ours == pytest.approx(theirs / theirs[-1], rel=2e-3, abs=1e-6)
+
+
+def test_the_log_of_film_scans_is_opencolorios_and_kodaks() -> None:
+    black = 10.0 ** ((95 - 685) / 300)
+    transform = ocio.LogAffineTransform(
+        logSideSlope=[300 / 1023] * 3,
+        logSideOffset=[685 / 1023] * 3,
+        linSideSlope=[1 - black] * 3,
+        linSideOffset=[black] * 3,
+        direction=ocio.TRANSFORM_DIR_INVERSE,
+    )
+    transform.setBase(10.0)
+    cpu = ocio.Config.CreateRaw().getProcessor(transform).getDefaultCPUProcessor()
+    codes = np.arange(1024)
+    pixels = np.repeat((codes / 1023).astype(np.float32)[:, None], 3, axis=1)
+    cpu.applyRGB(pixels)
+    light = decode_film_scan(codes / 1023)
+    to_white = light / light[685]
+    assert to_white[95:] == pytest.approx(pixels[95:, 0], rel=1e-3, abs=1e-5)
+    assert not light[:96].any()
+    assert light[-1] == 1.0
+    assert to_white[470] == pytest.approx(0.18, abs=0.005)  # Kodak's gray card
+
+
+def dpx(path: Path, transfer: int) -> Path:
+    """Ten bits, with a code of SMPTE ST 268-1 for what they are."""
+    codes = random_codes().astype(np.uint16) * np.uint16(257)
+    spec = oiio.ImageSpec(codes.shape[1], codes.shape[0], 3, oiio.UINT16)
+    spec.attribute("oiio:BitsPerSample", 10)
+    output = oiio.ImageOutput.create(str(path))
+    output.open(str(path), spec)
+    output.write_image(codes)
+    output.close()
+    content = bytearray(path.read_bytes())
+    content[801] = transfer  # of the first channel
+    path.write_bytes(content)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("transfer", "name"), [(1, "Cineon log"), (3, "Cineon log"), (2, ""), (4, ""), (6, "")]
+)
+def test_a_dpx_says_that_it_is_a_film_scan(tmp_path: Path, transfer: int, name: str) -> None:
+    photo = read_photo(dpx(tmp_path / "a.dpx", transfer))
+    assert photo.named_curve == name
+    if name:
+        estimate = calibrate(photo)
+        assert estimate.outcome is Outcome.NAMED
+        codes = np.arange(0, 1024) / 1023
+        found = estimate.curve.linearize(np.repeat(codes[:, None], 3, axis=1))
+        assert found[:, 0] == pytest.approx(decode_film_scan(codes), rel=2e-3, abs=1e-5)
+
+
+def test_a_cineon_file_is_a_film_scan() -> None:
+    assert curve_of_scan("cineon", "") == "Cineon log"
+    assert curve_of_scan("tiff", "Logarithmic") == ""
 
 
 def with_cicp(

@@ -13,6 +13,8 @@ from facecrf_ocio.photo.profile import icc_tag
 from facecrf_ocio.values import Float
 
 _CURVES: dict[str, Callable[[Float], Float]] = {LINEAR: np.array, PQ: decode_pq, HLG: decode_hlg}
+CINEON = "Cineon log"
+"""Of printing densities, as scans of negatives hold them."""
 _SAME = 2e-3
 """[light, white is 1] by which a profile's table may differ from the curve it is taken for."""
 
@@ -41,6 +43,21 @@ def curve_of_profile(icc: bytes) -> str:
         if all(np.abs(light - curve(grid)).max() < _SAME for light in curves if light is not None):
             return name
     return ""
+
+
+def curve_of_scan(file_format: str, transfer: str) -> str:
+    """`Cineon log` of a film scan, else empty.
+
+    Parameters
+    ----------
+    file_format
+        As OpenImageIO calls it.
+    transfer
+        What a DPX says of itself (SMPTE ST 268-1, field 31). `Logarithmic` leaves the rest to who
+        wrote it, who in practice meant this one.
+    """
+    told = file_format == "dpx" and transfer in ("Printing density", "Logarithmic")
+    return CINEON if told or file_format == "cineon" else ""
 
 
 def is_other_curve(icc: bytes) -> bool:

@@ -28,7 +28,7 @@ from facecrf_ocio.photo.edits import edits_told, made_as_told
 from facecrf_ocio.photo.gain_map import jpeg_gain_map
 from facecrf_ocio.photo.heif import read_heif
 from facecrf_ocio.photo.integrity import COPY_AGAIN, check_file, check_size, photo_sha256
-from facecrf_ocio.photo.named_curve import is_other_curve, named_curve
+from facecrf_ocio.photo.named_curve import curve_of_scan, is_other_curve, named_curve
 from facecrf_ocio.photo.no_photo import no_photo
 from facecrf_ocio.photo.orientation import orientation_of, upright
 from facecrf_ocio.photo.picture import PhotoFile, Picture, open_image, open_picture
@@ -137,6 +137,7 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
     channels, transparency = color_channels(path, spec), alpha_channel(spec)
     icc = icc_profile(spec)
     curve = named_curve(of_numbers(spec.getattribute("CICP")), icc)
+    curve = curve or curve_of_scan(file_format, spec.get_string_attribute("dpx:Transfer"))
     scene_linear = _is_scene_linear(spec, icc, curve) and not has_void_gamma(file.content)
     bits = spec.get_int_attribute("oiio:BitsPerSample", 8 * spec.format.size())
     turn = orientation_of(spec, file.xmp)

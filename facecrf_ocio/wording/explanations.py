@@ -37,7 +37,7 @@ OUTCOMES: Text = (
         "calibrated": "A curve from this photo's own evidence.",
         "from its camera": "No evidence of its own; the curve of other photos of the same camera.",
         "already linear": "The file (raw, OpenEXR, HDR) holds linear light: use it as it is.",
-        "named by the file": "PQ or HLG (ITU-R BT.2100): used exactly as the file says.",
+        "named by the file": "PQ, HLG (ITU-R BT.2100) or a film scan's log: used as the file says.",
         "fallback": "The curve that was asked for where the photo gives none.",
         "not calibrated": "No curve was written. The line says why, and what to do.",
     },
