@@ -470,6 +470,33 @@ class TestLinearize:
             expected = srgb_decoding(read_photo(photo).encoded.astype(np.float64))
             assert np.allclose(pixels_of(exr), expected, atol=1e-6)
 
+    @pytest.mark.parametrize(
+        ("brightest", "options", "told", "kept"),
+        [
+            (1e5, (), True, 65504.0),
+            (1e5, ("--float",), False, 1e5),
+            (1e5, ("--exposure", "-1"), False, 5e4),
+            (4e4, ("--exposure", "1"), True, 65504.0),
+            (6e4, (), False, 6e4),
+        ],
+    )
+    def test_light_beyond_half_floats_is_told(
+        self,
+        facecrf: CommandLine,
+        tmp_path: Path,
+        brightest: float,
+        options: tuple[str, ...],
+        told: bool,
+        kept: float,
+    ) -> None:
+        light = np.full((8, 9, 3), 0.5, np.float32)
+        light[3, 4] = brightest
+        photo = write(tmp_path / "a.exr", light, oiio.FLOAT)
+        ended = facecrf("linearize", photo, "-o", tmp_path / "b.exr", *options)
+        assert ended.code == DONE
+        assert ("note: light above 65504" in ended.out + ended.err) == told
+        assert pixels_of(tmp_path / "b.exr").max() == pytest.approx(kept, rel=1e-3)
+
     @pytest.mark.parametrize("name", COMPRESSIONS)
     def test_compressions_are_openexrs(
         self, facecrf: CommandLine, photo: Path, tmp_path: Path, name: str

@@ -37,6 +37,8 @@ from facecrf_ocio.record.output_names import EXR, output_path
 if TYPE_CHECKING:
     from facecrf_ocio.values import Photo
 
+_BEYOND_HALF = "light above 65504, the most half floats hold, is written as that; --float keeps it"
+
 
 @click.command()
 @click.argument("photos", nargs=-1, required=True, type=PHOTO_PATH, metavar="PHOTO...")
@@ -144,18 +146,20 @@ class _Linearization:
                 rendition = write_rendition(output, source, **self.exr)
             else:
                 from facecrf_ocio.image.exposure import find_exposure
-                from facecrf_ocio.image.linearize import write_linear
+                from facecrf_ocio.image.linearize import beyond_half, write_linear
 
+                notes = source.notes
                 estimate = self.choices.estimate(source)
                 options = {"space": self.space, "uncertainty": self.uncertainty, **self.exr}
                 if estimate.found is not None:
-                    options["exposure"] = find_exposure(
-                        self.exposure, source, estimate.curve, estimate.faces
-                    )
+                    found = find_exposure(self.exposure, source, estimate.curve, estimate.faces)
+                    options["exposure"] = found
+                    if self.exr["half"] and beyond_half(source, found.stops):
+                        notes += (_BEYOND_HALF,)
                     written = (write_linear(output, source, estimate, **options),)
         if by_map:
             return _tell_rendition(path, source, rendition)
-        return tell(path, estimate, written, notes=source.notes, verbose=self.choices.verbose)
+        return tell(path, estimate, written, notes=notes, verbose=self.choices.verbose)
 
     def _is_by_map(self, photo: Photo) -> bool:
         bound = bool(self.space) or self.exposure != "0" or self.uncertainty

@@ -13,7 +13,7 @@ from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.color.working_space import working_primaries, working_space_matrix
 from facecrf_ocio.image.apply import Pixels, Rows, linear_rows, write_exr
 from facecrf_ocio.image.exposure import Exposure, find_exposure
-from facecrf_ocio.image.lookup import curve_lookup
+from facecrf_ocio.image.lookup import HALF_MAX, curve_lookup
 from facecrf_ocio.image.lut_lookup import lut_lookup
 from facecrf_ocio.image.uncertainty import CHANNEL, sigma_rows
 from facecrf_ocio.record.provenance import of_estimate, of_lut
@@ -111,6 +111,14 @@ def write_through_lut(
         compression=compression,
         overwrite=overwrite,
     )
+
+
+def beyond_half(photo: Photo, stops: float) -> bool:
+    """Whether light of a scene-linear photo, so many stops brighter, is more than half floats hold.
+
+    It is written as the most they do. A curve's light ends at white, which they hold.
+    """
+    return photo.scene_linear and float(photo.encoded.max()) * 2.0**stops > HALF_MAX
 
 
 def _scaled(linear: Pixels | Rows, factor: float) -> Rows:
