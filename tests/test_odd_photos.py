@@ -385,3 +385,24 @@ def test_a_jpeg_of_which_nothing_is_left_out_is_its_own_picture() -> None:
         parts = take_apart(odd)
         assert parts.picture == content
         assert parts.picture is not odd
+
+
+def test_an_exr_of_names_of_objects_is_no_picture(tmp_path: Path) -> None:
+    names = np.random.default_rng(0).integers(0, 9, (12, 16, 3), np.uint32)
+    path = write(tmp_path / "a.exr", names, oiio.UINT32)
+    with pytest.raises(PhotoError, match=r"whole numbers.* no light; use the EXR with"):
+        read_photo(path)
+
+
+def test_names_of_objects_beside_colors_are_left_aside(tmp_path: Path) -> None:
+    spec = oiio.ImageSpec(16, 12, 4, oiio.HALF)
+    spec.channelnames = ("R", "G", "B", "id")
+    spec.channelformats = (oiio.TypeHalf,) * 3 + (oiio.TypeUInt32,)
+    output = oiio.ImageOutput.create(str(tmp_path / "a.exr"))
+    output.open(str(tmp_path / "a.exr"), spec)
+    light = np.random.default_rng(0).random((12, 16, 4), np.float32)
+    output.write_image(light)
+    output.close()
+    photo = read_photo(tmp_path / "a.exr")
+    assert photo.scene_linear
+    assert photo.encoded == pytest.approx(light[..., :3], rel=1e-3)

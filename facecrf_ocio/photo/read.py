@@ -202,6 +202,12 @@ def _check_kind(path: Path, spec: Any, file_format: str) -> None:
     if file_format == "null" or spec.deep or spec.depth > 1:
         kind = "a deep image" if spec.deep else "a volume" if spec.depth > 1 else "no image"
         raise PhotoError(path, f"is {kind}", _CONVERT)
+    if file_format == "openexr" and spec.channelformat(0).basetype in _INTEGERS:
+        raise PhotoError(
+            path,
+            "holds whole numbers, by which renderers name objects, and no light",
+            "use the EXR with the picture's colors",
+        )
 
 
 def _select(codes: Pixels, channels: Sequence[int]) -> Pixels:
