@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 # How texts name an argument of Python's: `stops=...`, `direction="encode"`, `overwrite=True`.
 _ARGUMENT = re.compile(r'\b([a-z][a-z_]*)=(?:\.\.\.|True|"([\w-]+)")')
@@ -26,6 +27,18 @@ class FaceCRFError(Exception):
     def on_command_line(self) -> str:
         """The same text as commands tell it."""
         return in_options(str(self))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the text and what else it holds.
+
+        Pickle's own way back passes the text alone to constructors, some of which take more, and
+        breaks the pool of processes that an error comes from.
+        """
+        return _again, (type(self), self.args), vars(self)
+
+
+def _again(kind: type[FaceCRFError], args: tuple[Any, ...]) -> FaceCRFError:
+    return kind.__new__(kind, *args)
 
 
 def in_options(text: str, command: str = "") -> str:
@@ -66,10 +79,6 @@ class PhotoError(FaceCRFError):
         name = "photo in memory" if path is None else str(path)
         super().__init__(f"{name}: {problem}; {remedy}")
 
-    def __reduce__(self) -> tuple[type[PhotoError], tuple[Path | None, str, str]]:
-        """Pickle by what it was made of, or a pool of processes breaks on the way back."""
-        return type(self), (self.path, self.problem, self.remedy)
-
 
 class LutError(FaceCRFError):
     """A LUT cannot be written, read, or did not read back as it was written."""
@@ -94,10 +103,6 @@ class ExistsError(OutputError):
         self.target = target
         self.problem = problem
         super().__init__(f"{target}: {problem}; {OVERWRITE}")
-
-    def __reduce__(self) -> tuple[type[ExistsError], tuple[Path, str]]:
-        """Pickle by what it was made of, or a pool of processes breaks on the way back."""
-        return type(self), (self.target, self.problem)
 
 
 IS_FOLDER = "is a folder"
