@@ -14,8 +14,9 @@ from facecrf_ocio.values import Float
 
 _M1, _M2 = 2610 / 16384, 2523 / 4096 * 128  # of PQ, table 4
 _C1, _C2, _C3 = 3424 / 4096, 2413 / 4096 * 32, 2392 / 4096 * 32  # of PQ, table 4
-# Of a film scan: code values of 10 bits, density a code, and the contrast of negative film.
-_SCAN_TOP, _SCAN_BLACK, _SCAN_DENSITY, _SCAN_GAMMA = 1023.0, 95.0, 0.002, 0.6
+# Of a film scan: 0.002 in density for each of 1,023 codes, on negative film of contrast 0.6; and
+# the code that is black.
+_SCAN_DECADES, _SCAN_BLACK = 1023 * 0.002 / 0.6, 95 / 1023
 _A, _B, _C = 0.17883277, 0.28466892, 0.55991073  # of HLG, table 5
 
 
@@ -41,11 +42,5 @@ def decode_film_scan(encoded: npt.ArrayLike) -> Float:
 
     A card that reflects 90 % lies at code 685, where light is 0.074 of that at code 1023.
     """
-    codes = _SCAN_TOP * np.asarray(encoded, float)
-    above_black = _light_of_codes(codes) - _light_of_codes(_SCAN_BLACK)
-    return np.asarray(np.maximum(above_black, 0.0) / (1.0 - _light_of_codes(_SCAN_BLACK)))
-
-
-def _light_of_codes(codes: npt.ArrayLike) -> Float:
-    density = (np.asarray(codes, float) - _SCAN_TOP) * _SCAN_DENSITY
-    return np.asarray(10.0 ** (density / _SCAN_GAMMA))
+    black = decode_log(_SCAN_BLACK, _SCAN_DECADES)
+    return np.asarray(np.maximum(decode_log(encoded, _SCAN_DECADES) - black, 0.0) / (1.0 - black))
