@@ -15,8 +15,7 @@ import numpy as np
 from facecrf_ocio.clip.point_values import (
     Values,
     centered,
-    fitted_codes,
-    linearized,
+    compared,
     log_light,
     robust_weights,
     unexplained,
@@ -137,11 +136,7 @@ def _places(
     for number in range(_NEWTON):
         values = replace(values, time=now[size:][frame])
         both = np.concatenate([now[:size], found[size:]])
-        light = log_light(values.codes, values, both, prior)
-        left = unexplained(light[:, None], weights, values, ALIKE_IN_TIME)[:, 0]
-        rows, noise = linearized(
-            fitted_codes(light - left, values, both, prior), values, both, prior
-        )
+        light, left, rows, noise = compared(values, both, weights, prior, ALIKE_IN_TIME)
         # All values count until places are found once: before, what fits a wrong one least tells.
         weights = robust_weights(left, noise) if number == _NEWTON - 1 else noise**-2
         of_frame = np.zeros((len(light), count))

@@ -13,7 +13,7 @@ from facecrf_ocio import __version__
 from facecrf_ocio.clip.frame_list import Clip
 from facecrf_ocio.image.apply import linear_rows, write_exr
 from facecrf_ocio.image.lookup import curve_lookup
-from facecrf_ocio.values import Estimate
+from facecrf_ocio.values import Estimate, InverseCRF
 
 _READ_AT_ONCE = 64  # frames between which a run that was broken off loses nothing
 
@@ -29,12 +29,13 @@ def write_sequence(
     targets = [folder / f"{clip.name}.{n + 1:04d}.exr" for n in range(len(clip.times))]
     folder.mkdir(parents=True, exist_ok=True)
     wanted = []
+    # Both once a curve, of which there are few.
+    digest, lookup = cache(_digest), cache(curve_lookup)
     for index, target in enumerate(targets):
-        if _is_there(target, _digest(estimates(index)), clip.names[index]):
+        if _is_there(target, digest(estimates(index).curve), clip.names[index]):
             yield target, True
         else:
             wanted.append(index)
-    lookup = cache(curve_lookup)  # one a curve, of which there are few
     for begin in range(0, len(wanted), _READ_AT_ONCE):
         part = wanted[begin : begin + _READ_AT_ONCE]
         for index, photo in zip(part, clip.read(part), strict=True):
@@ -43,7 +44,7 @@ def write_sequence(
                 "outcome": str(estimate.outcome),
                 "estimator": estimate.estimator,
                 "version": __version__,
-                "curve": _digest(estimate),
+                "curve": digest(estimate.curve),
                 "frame": clip.names[index],
                 "timecode": timecode(clip.times[index], clip.rate),
                 "frames_per_second": f"{clip.rate:.6g}",
@@ -57,8 +58,8 @@ def write_sequence(
             )
 
 
-def _digest(estimate: Estimate) -> str:
-    return hashlib.sha256(estimate.curve.linear.tobytes()).hexdigest()[:16]
+def _digest(curve: InverseCRF) -> str:
+    return hashlib.sha256(curve.linear.tobytes()).hexdigest()[:16]
 
 
 def timecode(seconds: float, rate: float) -> str:

@@ -107,6 +107,25 @@ def fitted_codes(fitted: Float, values: Values, found: Float, prior: FamilyPrior
     return codes
 
 
+def compared(
+    values: Values, found: Float, weights: Float, prior: FamilyPrior, alike: float
+) -> tuple[Float, Float, Float, Float]:
+    """What a Gauss-Newton step rests on.
+
+    Returns
+    -------
+    relative, left
+        (V,) log light beyond what is known of exposures; what points and frames leave of it.
+    rows, noise
+        As `linearized` has them, where that is explained.
+    """
+    light = log_light(values.codes, values, found, prior)
+    relative = light - values.stops
+    left = unexplained(relative[:, None], weights, values, alike)[:, 0]
+    fitted = fitted_codes(light - left, values, found, prior)
+    return relative, left, *linearized(fitted, values, found, prior)
+
+
 def robust_weights(left: Float, noise: Float) -> Float:
     """Inverse variances by Tukey's biweight of what is left unexplained."""
     standard = left / noise

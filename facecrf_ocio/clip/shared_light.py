@@ -12,9 +12,7 @@ import numpy as np
 
 from facecrf_ocio.clip.point_values import (
     Values,
-    fitted_codes,
-    linearized,
-    log_light,
+    compared,
     robust_weights,
     unexplained,
     values_of,
@@ -106,12 +104,9 @@ def _solve(
     weights: Float = np.ones(values.codes.size)
     system: Float = precision
     for _ in range(_ROUNDS):
-        light = log_light(values.codes, values, found, prior)
-        left = unexplained((light - values.stops)[:, None], weights, values, alike)[:, 0]
-        codes = fitted_codes(light - left, values, found, prior)
-        rows, noise = linearized(codes, values, found, prior)
+        relative, left, rows, noise = compared(values, found, weights, prior, alike)
         weights = robust_weights(left, noise)
-        columns = unexplained(np.column_stack([rows, light - values.stops]), weights, values, alike)
+        columns = unexplained(np.column_stack([rows, relative]), weights, values, alike)
         joint = columns.T @ (columns * weights[:, None]) / alike
         system = precision + joint[:-1, :-1]
         found = found + np.linalg.solve(system, precision @ (start - found) - joint[:-1, -1])
