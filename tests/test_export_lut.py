@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 
 from facecrf_ocio.errors import LutError, OutputError, SettingsError
 from facecrf_ocio.lut.format_table import FORMATS
+from facecrf_ocio.lut.ocio_processor import exact_cpu, ocio_processor
 from facecrf_ocio.lut.read_back import require_curve
 from facecrf_ocio.lut.transform import LutTransform
 from facecrf_ocio.lut.write import write_lut
@@ -360,6 +361,25 @@ def test_a_file_that_does_not_read_back_never_appears(
         write_lut(curve, tmp_path / f"a.{suffix}")
     assert "\n" not in str(caught.value)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_damaged_file_is_told_beside_a_good_one_of_the_same_curve(tmp_path: Path) -> None:
+    curve = curve_of(NODES**2)
+    require_curve(write_lut(curve, tmp_path / "a.spi1d"), curve)
+    for suffix in ("cube", "clf"):
+        path = write_lut(curve, tmp_path / f"a.{suffix}")
+        damage = DAMAGE["a wrong entry"]
+        path.write_text(damage(path.read_text(encoding="utf-8")), encoding="utf-8")
+        with pytest.raises(LutError, match=r"error of 0\.0"):
+            require_curve(path, curve)
+
+
+@pytest.mark.parametrize("suffix", ["cube", "clf", "ctf", "csp"])
+def test_the_same_table_has_one_identity_in_all_formats(suffix: str, tmp_path: Path) -> None:
+    curve = curve_of(NODES**2)
+    one, other = (write_lut(curve, tmp_path / f"a.{name}") for name in ("spi1d", suffix))
+    identities = {exact_cpu(ocio_processor(path, curve=True)).getCacheID() for path in (one, other)}
+    assert len(identities) == 1
 
 
 def test_verify_tells_curves_apart(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NoReturn
 
 import numpy as np
+import numpy.typing as npt
 
 # A number beyond 1e308 has an exponent of three digits, or more digits than that. Asking Python for
 # each of thousands of others takes longer than all the rest of reading. What follows a number tells
@@ -16,6 +17,7 @@ import numpy as np
 _LONG_EXPONENT = re.compile(rb'[eE][+]?\d{3,}(?![\w"])')
 _ZEROS = bytes.maketrans(b"123456789", b"000000000")  # makes all digits alike
 _MOST_DIGITS = 300  # of a number; the largest double has 309
+_ENCODER = json.JSONEncoder(ensure_ascii=False, allow_nan=False)
 
 
 def dump(record: Mapping[str, object]) -> bytes:
@@ -52,9 +54,7 @@ def _plain(value: object) -> object:
     if isinstance(value, np.generic):
         return _plain(value.item())
     if isinstance(value, np.ndarray):
-        finite = value.astype(object)
-        finite[~np.isfinite(value)] = None
-        return finite.tolist()
+        return _plain_array(value)
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -62,6 +62,15 @@ def _plain(value: object) -> object:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
+
+
+def _plain_array(values: npt.NDArray[Any]) -> Any:
+    finite = np.isfinite(values)
+    if finite.all():
+        return values.tolist()
+    numbers = values.astype(object)
+    numbers[~finite] = None
+    return numbers.tolist()
 
 
 def _plain_items(values: Sequence[object]) -> list[object]:
@@ -80,4 +89,4 @@ def _layout(value: object, indent: str) -> str:
         return "{\n" + ",\n".join(inner + item for item in items) + f"\n{indent}}}"
     if isinstance(value, list) and any(isinstance(item, list | dict) for item in value[:1]):
         return "[\n" + ",\n".join(inner + _layout(item, inner) for item in value) + f"\n{indent}]"
-    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+    return _ENCODER.encode(value)

@@ -16,7 +16,9 @@ class RefusedError(Exception):
     """OpenColorIO cannot use a file; the text is its reason, whole, in one line."""
 
 
-def ocio_processor(path: Path, *, inverse: bool = False, quiet: bool = True) -> Any:
+def ocio_processor(
+    path: Path, *, inverse: bool = False, quiet: bool = True, curve: bool = False
+) -> Any:
     """Return the processor of a LUT file, as it is on the disk now.
 
     Parameters
@@ -27,6 +29,9 @@ def ocio_processor(path: Path, *, inverse: bool = False, quiet: bool = True) -> 
         Whether to run it backward.
     quiet
         Whether OpenColorIO keeps its warnings to itself; `usable.ask` tells them.
+    curve
+        Whether the file holds no more than curves, for which the best interpolation is the linear
+        one: named so, processors that do the same have the same identity in all formats.
 
     Raises
     ------
@@ -42,7 +47,8 @@ def ocio_processor(path: Path, *, inverse: bool = False, quiet: bool = True) -> 
         # It keeps every file it ever read, by path: a file that was written again would be read
         # as it was, and a batch would fill the memory.
         ocio.ClearAllCaches()
-        transform = ocio.FileTransform(src=source, interpolation=ocio.INTERP_BEST)
+        between = ocio.INTERP_LINEAR if curve else ocio.INTERP_BEST
+        transform = ocio.FileTransform(src=source, interpolation=between)
         # An empty context keeps it from expanding $HOME and the like in the folder's name.
         return ocio.Config.CreateRaw().getProcessor(ocio.Context(), transform, way)
     except (ocio.Exception, UnicodeDecodeError) as error:  # its reason may quote a damaged file

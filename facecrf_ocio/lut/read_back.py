@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -50,24 +52,12 @@ def require_transform(
 ) -> None:
     """Check that OpenColorIO makes of a file what its transform says; see `require_curve`."""
     name = path if name is None else name
-    places, tolerance = _places(), TOLERANCE
-    given = places
-    if transform.encodes and transform.matrix is not None:
-        given = (places @ transform.matrix.T).astype(np.float32)
-    found: Float = _read_through_ocio(path, row, given, name).T.astype(np.float64, order="C")
-    if not transform.encodes and transform.matrix is not None:
-        found = np.linalg.solve(transform.matrix, found)
-        tolerance *= _gain(np.linalg.inv(transform.matrix))
-    elif row.profile:
-        # It goes on to XYZ; what black and the three primaries become is the way back.
-        primaries = _read_through_ocio(path, row, np.eye(3, dtype=np.float32), name)
-        found = np.linalg.solve(primaries.T, found)
-        tolerance *= 20.0  # entries are rounded to 1/65535, the colorants' inverse is near 3
-    resolution = _CODE_RESOLUTION
-    if transform.encodes and transform.matrix is not None:
-        resolution *= 4.0 * _gain(transform.matrix) * _gain(np.linalg.inv(transform.matrix))
-    kind = row.encoding if transform.encodes else Encoding.UNIFORM
-    error = _worst_error(found, *_bounds(transform.curve, transform.direction, kind, resolution))
+    reader = _reader(path, row, name)
+    if row.profile or transform.matrix is not None:
+        error, tolerance = _error_beside_matrix(reader, transform, row)
+    else:
+        kind = row.encoding if transform.encodes else Encoding.UNIFORM
+        error, tolerance = _error_of(reader, transform.curve, transform.direction, kind), TOLERANCE
     if not error <= tolerance:
         raise LutError(
             f"{name}: OpenColorIO reads it back with an error of {error:.3g}; nothing was written, "
@@ -87,18 +77,67 @@ def _gain(matrix: Float) -> float:
     return float(np.abs(matrix).sum(axis=1).max())
 
 
-def _read_through_ocio(
-    path: Path, row: LutFormat, given: npt.NDArray[np.float32], name: Path
-) -> npt.NDArray[np.float32]:
-    """Return (N, 3) what OCIO maps (N, 3) pixels to."""
-    pixels = np.ascontiguousarray(given).copy()
+@dataclass(frozen=True, slots=True)
+class _Reader:
+    """A file as OpenColorIO read it.
+
+    Attributes
+    ----------
+    identity
+        Its own name for all that it does to pixels, by which it keeps processors itself: with
+        digests of all numbers of a table, and without the file's name or format.
+    cpu
+        What maps pixels.
+    """
+
+    identity: str
+    cpu: Any = field(compare=False)
+
+    def maps(self, given: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+        """(N, 3) what it makes of (N, 3) pixels."""
+        pixels = np.ascontiguousarray(given).copy()
+        self.cpu.applyRGB(pixels)
+        return pixels
+
+
+def _reader(path: Path, row: LutFormat, name: Path) -> _Reader:
     try:
         # OCIO takes a profile's own direction, from the connection space to the device, as forward.
-        exact_cpu(ocio_processor(path, inverse=row.profile)).applyRGB(pixels)
+        cpu = exact_cpu(ocio_processor(path, inverse=row.profile, curve=not row.profile))
     except RefusedError as error:
         problem = f"OpenColorIO cannot read it back: {error}"
         raise LutError(f"{name}: {problem}; write to another folder") from error
-    return pixels
+    return _Reader(cpu.getCacheID(), cpu)
+
+
+@lru_cache(maxsize=2)  # of one photo's files, most of which OpenColorIO reads as the same
+def _error_of(reader: _Reader, curve: InverseCRF, direction: str, encoding: Encoding) -> float:
+    """How far a file without a matrix is from its curve."""
+    found: Float = reader.maps(_places()).T.astype(np.float64, order="C")
+    return _worst_error(found, *_bounds(curve, direction, encoding, _CODE_RESOLUTION))
+
+
+def _error_beside_matrix(
+    reader: _Reader, transform: LutTransform, row: LutFormat
+) -> tuple[float, float]:
+    """How far a file with a matrix is from its curve once that is undone, and how far it may be."""
+    places, tolerance, resolution = _places(), TOLERANCE, _CODE_RESOLUTION
+    matrix = transform.matrix
+    if matrix is not None and transform.encodes:
+        places = (places @ matrix.T).astype(np.float32)
+        resolution *= 4.0 * _gain(matrix) * _gain(np.linalg.inv(matrix))
+    found: Float = reader.maps(places).T.astype(np.float64, order="C")
+    if matrix is not None and not transform.encodes:
+        found = np.linalg.solve(matrix, found)
+        tolerance *= _gain(np.linalg.inv(matrix))
+    elif row.profile:
+        # It goes on to XYZ; what black and the three primaries become is the way back.
+        primaries = reader.maps(np.eye(3, dtype=np.float32))
+        found = np.linalg.solve(primaries.T, found)
+        tolerance *= 20.0  # entries are rounded to 1/65535, the colorants' inverse is near 3
+    kind = row.encoding if transform.encodes else Encoding.UNIFORM
+    bounds = _bounds(transform.curve, transform.direction, kind, resolution)
+    return _worst_error(found, *bounds), tolerance
 
 
 @lru_cache(maxsize=4)  # of one photo's files, most of which hold the same curve

@@ -89,27 +89,26 @@ def _few_knots(row: Float) -> npt.NDArray[np.intp] | None:
     if not np.isfinite(row).all():
         return None
     knots = _bends(row)
-    if 4 * knots.size >= row.size:
-        knots = _knots(row)
-    return knots if 4 * knots.size < row.size else None
+    return knots if 4 * knots.size < row.size else _knots(row)
 
 
 def _bends(row: Float) -> npt.NDArray[np.intp]:
     """Indices of the ends of (K,), and of those between where it is not linear at all."""
     bends = np.ones(row.size, bool)
-    bends[1:-1] = np.abs(np.diff(row, 2)) > _STRAIGHT
+    slopes = row[1:] - row[:-1]
+    bends[1:-1] = np.abs(slopes[1:] - slopes[:-1]) > _STRAIGHT
     return np.flatnonzero(bends)
 
 
-def _knots(row: Float) -> npt.NDArray[np.intp]:
-    """Indices between which (K,) is linear within `TOLERANCE`.
+def _knots(row: Float) -> npt.NDArray[np.intp] | None:
+    """Indices between which (K,) is linear within `TOLERANCE`; None of K / 4 and more.
 
     Every gap gets the index where a line across it errs most, until none errs too much (Douglas and
     Peucker 1973, all gaps at a time).
     """
     places, limit = np.arange(row.size), 0.9 * TOLERANCE  # the rest is for rounding
     knots = places[:: max(1, row.size - 1)]
-    while True:
+    while 4 * knots.size < row.size:
         error = np.abs(np.interp(places, knots, row[knots]) - row)
         worst = np.maximum.reduceat(error, knots)
         if not (worst > limit).any():
@@ -118,3 +117,4 @@ def _knots(row: Float) -> npt.NDArray[np.intp]:
         candidates = np.flatnonzero((error > limit) & (error == worst[gap]))
         first = np.flatnonzero(np.diff(gap[candidates], prepend=-1))
         knots = np.sort(np.concatenate([knots, candidates[first]]))
+    return None
