@@ -48,7 +48,7 @@ class TestExr:
         lut = write_spi1d(tmp_path / "a.spi1d")
         assert photo.path is not None
         expected = oiiotool(photo.path, lut, tmp_path / "expected.exr")
-        path = write_exr(tmp_path / "a.exr", apply_lut(photo, lut), photo, provenance={})
+        path = write_exr(tmp_path / "a.exr", apply_lut(photo, lut), photo, provenance={}).path
         assert header_of(path).format.basetype == oiio.HALF
         assert np.allclose(pixels_of(path), expected, rtol=2**-10, atol=2**-24)
 
@@ -70,7 +70,7 @@ class TestExr:
         Image.fromarray(random_codes(4)).save(tmp_path / "a.png")
         photo = read_photo(tmp_path / "a.png")
         linear = linearize_photo(photo, CURVE)
-        path = write_exr(tmp_path / "a.exr", linear, photo, provenance={}, half=False)
+        path = write_exr(tmp_path / "a.exr", linear, photo, provenance={}, half=False).path
         assert photo.alpha is not None
         assert header_of(path).channelnames == ("R", "G", "B", "A")
         assert np.array_equal(pixels_of(path)[..., 3], photo.alpha)
@@ -110,7 +110,9 @@ class TestRows:
 class TestMetadata:
     def test_what_still_holds_is_kept(self, tmp_path: Path, jpeg: Path) -> None:
         photo = read_photo(jpeg)
-        path = write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={"lut": "a.spi1d"})
+        path = write_exr(
+            tmp_path / "a.exr", photo.encoded, photo, provenance={"lut": "a.spi1d"}
+        ).path
         header = header_of(path)
         assert header.get_string_attribute("Make") == "ACME"
         assert header.get_string_attribute("Model") == "X 1"
@@ -125,7 +127,7 @@ class TestMetadata:
         exif[0x0112] = 6
         Image.fromarray(random_codes()).save(tmp_path / "a.jpg", icc_profile=icc, exif=exif)
         photo = read_photo(tmp_path / "a.jpg")
-        header = header_of(write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={}))
+        header = header_of(write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={}).path)
         assert header.get_int_attribute("Orientation") == 1
         assert (header.height, header.width) == photo.encoded.shape[:2]
         for attribute in header.extra_attribs:
@@ -145,7 +147,7 @@ class TestMetadata:
         icc = matrix_profile(*KNOWN_PRIMARIES[name])
         Image.fromarray(random_codes()).save(tmp_path / "a.png", icc_profile=icc)
         photo = read_photo(tmp_path / "a.png")
-        header = header_of(write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={}))
+        header = header_of(write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={}).path)
         assert header.get_string_attribute("colorInteropID") == interop_id
         assert header.get_string_attribute("facecrf:primaries") == f"{name} by ICC profile"
         expected = np.ravel(KNOWN_PRIMARIES[name])
@@ -153,7 +155,7 @@ class TestMetadata:
 
     def test_primaries_that_nobody_told_are_not_guessed(self, tmp_path: Path) -> None:
         photo = Photo(np.zeros((2, 3, 3), np.float32))
-        header = header_of(write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={}))
+        header = header_of(write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={}).path)
         assert header.get_string_attribute("facecrf:primaries") == "unknown"
         assert header.get_string_attribute("colorInteropID") == "unknown"
         assert header.getattribute("chromaticities") is None
@@ -161,7 +163,7 @@ class TestMetadata:
     def test_the_source_may_be_gone(self, tmp_path: Path, jpeg: Path) -> None:
         photo = read_photo(jpeg)
         jpeg.unlink()
-        assert write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={}).exists()
+        assert write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={}).path.exists()
         assert oiio.geterror() == ""
 
 
@@ -171,7 +173,7 @@ class TestRefusals:
     photo = Photo(np.random.default_rng(9).random((64, 64, 3), np.float32))
 
     def write(self, path: Path, **options: Any) -> Path:
-        return write_exr(path, self.photo.encoded, self.photo, provenance={}, **options)
+        return write_exr(path, self.photo.encoded, self.photo, provenance={}, **options).path
 
     def test_existing_file(self, tmp_path: Path) -> None:
         (tmp_path / "a.exr").write_text("mine")

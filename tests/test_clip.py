@@ -129,7 +129,7 @@ def test_a_time_code_is_packed_as_decimal_digits(told, rate, digits):
 def test_frames_written_have_the_time_code_that_openexr_has(tmp_path):
     clip = open_clip(sequence(tmp_path / "in", 30))
     estimate = calibrate(next(clip.read([0])), estimator="srgb")
-    written = [path for path, _ in write_sequence(clip, lambda _: estimate, tmp_path / "out")]
+    written = [exr.path for exr, _ in write_sequence(clip, lambda _: estimate, tmp_path / "out")]
     spec = oiio.ImageInput.open(str(written[25])).spec()
     assert spec.get_string_attribute("smpte:TimeCode") == "00:00:01:01"
     assert spec.getattribute("smpte:TimeCode")[0] == 0x00000101

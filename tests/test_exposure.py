@@ -33,9 +33,9 @@ def read(path):
 
 
 def test_stops_scale_the_light_and_are_told(photo, estimate, tmp_path):
-    plain, nothing = read(write_linear(tmp_path / "a.exr", photo, estimate, half=False))
+    plain, nothing = read(write_linear(tmp_path / "a.exr", photo, estimate, half=False).path)
     brighter, told = read(
-        write_linear(tmp_path / "b.exr", photo, estimate, half=False, exposure="1.5")
+        write_linear(tmp_path / "b.exr", photo, estimate, half=False, exposure="1.5").path
     )
     assert nothing is None
     assert told == "+1.500 stops (1.5)"
@@ -43,7 +43,7 @@ def test_stops_scale_the_light_and_are_told(photo, estimate, tmp_path):
 
 
 def test_gray_brings_the_geometric_mean_to_middle_gray(photo, estimate, tmp_path):
-    pixels, told = read(write_linear(tmp_path / "a.exr", photo, estimate, exposure="gray"))
+    pixels, told = read(write_linear(tmp_path / "a.exr", photo, estimate, exposure="gray").path)
     luminance = pixels[..., :3] @ (0.2126, 0.7152, 0.0722)
     assert np.exp(np.log(luminance).mean()) == pytest.approx(0.18, rel=0.05)
     assert told.endswith("(gray)")
@@ -73,9 +73,8 @@ def test_a_cheek_gets_the_reflectance_of_its_tone(portrait, tmp_path):
     estimate = calibrate(portrait, estimator="srgb")
     for tone, usual in USUAL.items():
         path = tmp_path / f"{tone}.exr"
-        pixels, told = read(
-            write_linear(path, portrait, estimate, half=False, exposure=f"skin:{tone}")
-        )
+        written = write_linear(path, portrait, estimate, half=False, exposure=f"skin:{tone}")
+        pixels, told = read(written.path)
         assert cheek_in(pixels[..., :3]) == pytest.approx(usual, rel=0.15)
         assert f"(skin:{tone}: a cheek of" in told
 

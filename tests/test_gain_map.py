@@ -112,7 +112,7 @@ def test_the_maps_profile_tells_the_space_of_the_rendition(
     expected = of_libultrahdr(path)
     away = np.abs(rendition(read_photo(path)) - expected).max(axis=2) / expected.max(axis=2)
     assert away.max() < 0.01  # of the brightest channel: a matrix leaves little of others
-    spec = oiio.ImageBuf(str(write_rendition(tmp_path / "a.exr", read_photo(path)))).spec()
+    spec = oiio.ImageBuf(str(write_rendition(tmp_path / "a.exr", read_photo(path)).path)).spec()
     red, *_ = KNOWN_PRIMARIES[map_ or base]
     assert spec.getattribute("chromaticities")[:2] == pytest.approx(red, abs=1e-3)
 

@@ -169,7 +169,7 @@ def test_a_png_says_which_signal_it_holds(tmp_path: Path, transfer: int, name: s
         codes = np.arange(16, 256) / 255
         found = estimate.curve.linearize(np.repeat(codes[:, None], 3, axis=1))
         assert found[:, 0] == pytest.approx(decode(codes), rel=2e-3)
-    exr = write_linear(tmp_path / "a.exr", photo, estimate)
+    exr = write_linear(tmp_path / "a.exr", photo, estimate).path
     assert oiio.ImageBuf(str(exr)).spec().get_string_attribute("colorInteropID") == "unknown"
 
 

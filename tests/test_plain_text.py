@@ -86,7 +86,7 @@ def test_exif_in_latin_1_reaches_the_exr_as_text(tmp_path: Path, tag: int, attri
     photo = read_photo(path)
     if attribute in ("Make", "Model", "Software"):
         assert getattr(photo.camera, attribute.lower()) == "José"
-    exr = write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={})
+    exr = write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={}).path
     assert written_attribute(exr, attribute) == "José"
 
 

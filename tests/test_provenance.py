@@ -58,7 +58,7 @@ def digest(path: Path) -> str:
 
 @READERS
 def test_of_an_estimate(told_by, photo: Photo, tmp_path: Path) -> None:
-    told = told_by(write_linear(tmp_path / "a.exr", photo, ESTIMATE))
+    told = told_by(write_linear(tmp_path / "a.exr", photo, ESTIMATE).path)
     assert photo.path is not None
     summary = told.pop("facecrf:summary")
     assert summary
@@ -80,7 +80,7 @@ def test_of_an_estimate(told_by, photo: Photo, tmp_path: Path) -> None:
 def test_of_a_lut_with_its_record_beside_it(told_by, photo: Photo, tmp_path: Path) -> None:
     lut, *_ = write_outputs(photo, ESTIMATE, Settings(), tmp_path / "luts", ["spi1d"])
     other = read_photo(write(tmp_path / "b.png", random_codes()[::-1].copy(), oiio.UINT8))
-    told = told_by(write_through_lut(tmp_path / "b.exr", other, lut))
+    told = told_by(write_through_lut(tmp_path / "b.exr", other, lut).path)
     assert photo.path is not None
     assert other.path is not None
     expected = {
@@ -107,7 +107,7 @@ def test_imageio_reads_the_file_and_passes_on_no_attribute_of_any_exr(
     """It reads EXR by PyAV alone, which knows pixels and codec."""
     pytest.importorskip("av", reason="PyAV, by which imageio reads EXR, is not installed")
     reader = pytest.importorskip("imageio.v3", reason="imageio is not installed")
-    exr = write_linear(tmp_path / "a.exr", photo, ESTIMATE)
+    exr = write_linear(tmp_path / "a.exr", photo, ESTIMATE).path
     assert reader.imread(exr, plugin="pyav").shape[-3:] == photo.encoded.shape
     told = reader.immeta(exr, plugin="pyav")
     assert told["codec"] == "exr"
@@ -116,7 +116,7 @@ def test_imageio_reads_the_file_and_passes_on_no_attribute_of_any_exr(
 
 def test_of_a_lut_from_elsewhere(photo: Photo, tmp_path: Path) -> None:
     lut = lut_of_another_maker(tmp_path)
-    told = by_openimageio(write_through_lut(tmp_path / "a.exr", photo, lut))
+    told = by_openimageio(write_through_lut(tmp_path / "a.exr", photo, lut).path)
     assert told["facecrf:lut_sha256"] == digest(lut)
     assert "facecrf:estimator" not in told
 

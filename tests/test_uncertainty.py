@@ -46,8 +46,8 @@ def channels(path: Path) -> dict[str, np.ndarray]:
 
 
 def test_each_pixel_has_the_deviation_of_its_codes(photo, estimate, tmp_path):
-    plain = channels(write_linear(tmp_path / "a.exr", photo, estimate, half=False))
-    path = write_linear(tmp_path / "b.exr", photo, estimate, half=False, uncertainty=True)
+    plain = channels(write_linear(tmp_path / "a.exr", photo, estimate, half=False).path)
+    path = write_linear(tmp_path / "b.exr", photo, estimate, half=False, uncertainty=True).path
     found = channels(path)
     assert list(found) == ["R", "G", "B", CHANNEL]
     assert all(np.array_equal(found[name], plain[name]) for name in "RGB")
@@ -59,7 +59,7 @@ def test_each_pixel_has_the_deviation_of_its_codes(photo, estimate, tmp_path):
 
 def test_it_is_scaled_as_the_light_is_and_multiplied_by_alpha(photo, estimate, tmp_path):
     clear = replace(photo, alpha=np.linspace(0, 1, CODES[..., 0].size).reshape(300, 40))
-    path = write_linear(tmp_path / "a.exr", clear, estimate, exposure="2", uncertainty=True)
+    path = write_linear(tmp_path / "a.exr", clear, estimate, exposure="2", uncertainty=True).path
     found = channels(path)
     assert list(found) == ["R", "G", "B", "A", CHANNEL]
     wanted = 4.0 * expected(photo, estimate) * clear.alpha
@@ -67,7 +67,7 @@ def test_it_is_scaled_as_the_light_is_and_multiplied_by_alpha(photo, estimate, t
 
 
 def test_half_floats_hold_it_too(photo, estimate, tmp_path):
-    found = channels(write_linear(tmp_path / "a.exr", photo, estimate, uncertainty=True))
+    found = channels(write_linear(tmp_path / "a.exr", photo, estimate, uncertainty=True).path)
     np.testing.assert_allclose(found[CHANNEL], expected(photo, estimate), rtol=1e-3, atol=1e-6)
 
 

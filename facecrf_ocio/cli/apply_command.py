@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from facecrf_ocio.cli.linearize_command import require_exr_free
+from facecrf_ocio.cli.linearize_command import require_exr_free, with_remedy
 from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import PHOTO_PATH, TEXT_PATH, exr_options
 from facecrf_ocio.cli.terminal import DONE, ending_well, one_line, say
@@ -53,5 +53,7 @@ def apply(
             overwrite=overwrite,
         )
     say(f"{photo}: sent through {lut}")
-    click.echo(one_line(f"  {written}"))
+    for note in with_remedy(written.notes):
+        say(f"  note: {note}")
+    click.echo(one_line(f"  {written.path}"))
     return DONE

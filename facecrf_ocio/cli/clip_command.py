@@ -147,8 +147,12 @@ def _write_frames(opened: Clip, found: ClipEstimate, output: Path, *, overwrite:
     from facecrf_ocio.record.output_names import EXR, output_path
 
     folder, kept, count = output_path(output, opened.name, EXR), 0, 0
+    cut: dict[str, int] = {}
     with status(f"writing {counted(len(opened.times), 'frame')}"):
-        for _, there in write_sequence(opened, found.of_frame, folder, overwrite=overwrite):
+        for exr, there in write_sequence(opened, found.of_frame, folder, overwrite=overwrite):
             kept, count = kept + there, count + 1
+            cut |= {note: cut.get(note, 0) + 1 for note in exr.notes}
     was = f", {kept} of them there already" if kept else ""
     say(f"  {folder}: {counted(count, 'frame')}{was}")
+    for note, frames in cut.items():
+        say(f"  note: in {counted(frames, 'frame')} {note}")

@@ -35,9 +35,8 @@ from facecrf_ocio.errors import OutputError, SettingsError
 from facecrf_ocio.record.output_names import EXR, output_path
 
 if TYPE_CHECKING:
+    from facecrf_ocio.image.apply import WrittenExr
     from facecrf_ocio.values import Photo
-
-_BEYOND_HALF = "light above 65504, the most half floats hold, is written as that; --float keeps it"
 
 
 @click.command()
@@ -146,7 +145,7 @@ class _Linearization:
                 rendition = write_rendition(output, source, **self.exr)
             else:
                 from facecrf_ocio.image.exposure import find_exposure
-                from facecrf_ocio.image.linearize import beyond_half, write_linear
+                from facecrf_ocio.image.linearize import write_linear
 
                 notes = source.notes
                 estimate = self.choices.estimate(source)
@@ -154,9 +153,8 @@ class _Linearization:
                 if estimate.found is not None:
                     found = find_exposure(self.exposure, source, estimate.curve, estimate.faces)
                     options["exposure"] = found
-                    if self.exr["half"] and beyond_half(source, found.stops):
-                        notes += (_BEYOND_HALF,)
-                    written = (write_linear(output, source, estimate, **options),)
+                    exr = write_linear(output, source, estimate, **options)
+                    written, notes = (exr.path,), (*notes, *with_remedy(exr.notes))
         if by_map:
             return _tell_rendition(path, source, rendition)
         return tell(path, estimate, written, notes=notes, verbose=self.choices.verbose)
@@ -169,16 +167,21 @@ class _Linearization:
         return self.hdr == "map" or (self.hdr == "auto" and free)
 
 
-def _tell_rendition(path: Path, photo: Photo, written: Path) -> int:
+def _tell_rendition(path: Path, photo: Photo, written: WrittenExr) -> int:
     from facecrf_ocio.image.hdr_rendition import NOT_PROVEN, headroom
 
     assert photo.gain_map is not None  # noqa: S101 - or it would not have been written
     what = f"{photo.gain_map.standard}, {headroom(photo.gain_map):.1f} stops of headroom"
     say(f"{path}: by its gain map ({what}): {NOT_PROVEN}")
-    for note in photo.notes:
+    for note in (*photo.notes, *with_remedy(written.notes)):
         say(f"  note: {note}")
-    click.echo(one_line(f"  {written}"))
+    click.echo(one_line(f"  {written.path}"))
     return DONE
+
+
+def with_remedy(notes: tuple[str, ...]) -> tuple[str, ...]:
+    """Return what an EXR does not hold, and the option that helps."""
+    return tuple(f"{note}; --float keeps it" for note in notes)
 
 
 def require_exr_free(path: Path, *, overwrite: bool) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from facecrf_ocio.cli.bracket_command import solve, stops_option
-from facecrf_ocio.cli.linearize_command import require_exr_free
+from facecrf_ocio.cli.linearize_command import require_exr_free, with_remedy
 from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import PHOTO_PATH, exr_options
 from facecrf_ocio.cli.terminal import (
@@ -82,6 +82,8 @@ def merge(
             overwrite=overwrite,
         )
     say(f"{output}: {len(photos)} exposures, curve by {estimate.estimator}")
+    for note in with_remedy(merged.notes):
+        say(f"  note: {note}")
     for path, stop, gone in zip(photos, merged.stops, merged.moved, strict=True):
         say(f"  {path.name}: {stop:+.2f} stops, {100.0 * gone:.1f} % moved")
     for path, gone in zip(photos, merged.moved, strict=True):

@@ -41,4 +41,4 @@ def run_demo(folder: Path) -> tuple[Path, Estimate, tuple[Path, ...]]:
     plot = plot_draft(output_path(folder, portrait, PLOT), photo, estimate, settings)
     files = write_outputs(photo, estimate, settings, folder, overwrite=True, also=[plot])
     exr = write_linear(output_path(folder, portrait, EXR), photo, estimate, overwrite=True)
-    return portrait, estimate, (*files, exr)
+    return portrait, estimate, (*files, exr.path)

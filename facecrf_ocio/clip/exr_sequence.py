@@ -11,7 +11,7 @@ import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio import __version__
 from facecrf_ocio.clip.frame_list import Clip
-from facecrf_ocio.image.apply import linear_rows, write_exr
+from facecrf_ocio.image.apply import WrittenExr, linear_rows, write_exr
 from facecrf_ocio.image.lookup import curve_lookup
 from facecrf_ocio.values import Estimate, InverseCRF
 
@@ -20,9 +20,10 @@ _READ_AT_ONCE = 64  # frames between which a run that was broken off loses nothi
 
 def write_sequence(
     clip: Clip, estimates: Callable[[int], Estimate], folder: Path, *, overwrite: bool = False
-) -> Iterator[tuple[Path, bool]]:
+) -> Iterator[tuple[WrittenExr, bool]]:
     """Write NAME.NNNN.exr for every frame; yields each with whether it was there already.
 
+    What an EXR does not hold is known of those that are written now.
     `estimates` gives the one of a frame's index. A frame is there if its EXR names the same curve
     and the same frame.
     """
@@ -33,7 +34,7 @@ def write_sequence(
     digest, lookup = cache(_digest), cache(curve_lookup)
     for index, target in enumerate(targets):
         if _is_there(target, digest(estimates(index).curve), clip.names[index]):
-            yield target, True
+            yield WrittenExr(target), True
         else:
             wanted.append(index)
     for begin in range(0, len(wanted), _READ_AT_ONCE):

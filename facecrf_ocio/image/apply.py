@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -25,8 +26,26 @@ Float32 = npt.NDArray[np.float32]
 Pixels = npt.NDArray[Any]
 Rows = Callable[[int, int], Pixels]
 
+BEYOND_HALF = f"light above {HALF_MAX:.0f}, the most half floats hold, is written as that"
+"""What is told of an EXR of half floats; one of floats keeps such light."""
 _LARGEST_TABLE = 16  # [bit]
 _BAND = 256  # [row] a multiple of what OpenEXR compresses as one block
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenExr:
+    """An EXR, and what its pixels do not hold of the light that they were made from.
+
+    Attributes
+    ----------
+    path
+        The file.
+    notes
+        Clauses; none where the light is all there, within the rounding of its type.
+    """
+
+    path: Path
+    notes: tuple[str, ...] = ()
 
 
 def linearize_photo(photo: Photo, curve: InverseCRF) -> Float32:
@@ -115,7 +134,7 @@ def write_exr(
     compression: str = "zip",
     overwrite: bool = False,
     beside: Mapping[str, Rows] | None = None,
-) -> Path:
+) -> WrittenExr:
     """Write linear light as a scene-linear OpenEXR file, whole or not at all.
 
     Parameters
@@ -141,8 +160,9 @@ def write_exr(
 
     Returns
     -------
-    pathlib.Path
-        The file written.
+    WrittenExr
+        The file written. Light that half floats do not hold is told where it was given as float32;
+        float16 was cut before.
 
     Raises
     ------
@@ -163,13 +183,19 @@ def write_exr(
     header = exr_header(shape[:2], names, photo, provenance, kind)
     header.attribute("compression", compression)
     rows = linear if callable(linear) else _rows_of(linear)
+    cut = False
 
     def finished(begin: int, end: int) -> Pixels:
-        color = _finished(rows(begin, end), photo, begin, end, half)
+        nonlocal cut
+        color = _finished(rows(begin, end), photo, begin, end)
+        if half and color.dtype != np.float16:
+            cut = cut or bool((color > HALF_MAX).any())
+            color = np.clip(color, -HALF_MAX, HALF_MAX)
         more = [channel(begin, end)[..., None] for channel in (beside or {}).values()]
         return np.concatenate([color, *more], axis=2, dtype=color.dtype) if more else color
 
-    return write_image_file(path, partial(_write_bands, header, finished), overwrite=overwrite)
+    written = write_image_file(path, partial(_write_bands, header, finished), overwrite=overwrite)
+    return WrittenExr(written, (BEYOND_HALF,) if cut else ())
 
 
 def _whole(photo: Photo, lookup: Lookup) -> Float32:
@@ -202,13 +228,11 @@ def _rows_of(linear: Pixels) -> Rows:
     return lambda begin, end: linear[begin:end]
 
 
-def _finished(linear: Pixels, photo: Photo, begin: int, end: int, half: bool) -> Pixels:
-    """Rows as they go into the file: multiplied by alpha, within the range of its type."""
+def _finished(linear: Pixels, photo: Photo, begin: int, end: int) -> Pixels:
+    """Rows as they go into the file: multiplied by alpha."""
     if photo.alpha is not None:
         alpha = photo.alpha[begin:end, :, None]
         linear = np.concatenate([linear * alpha, alpha], axis=2, dtype=np.float32)
-    if half and linear.dtype != np.float16:
-        linear = np.clip(linear, -HALF_MAX, HALF_MAX)
     return np.ascontiguousarray(linear)
 
 

@@ -17,7 +17,7 @@ from facecrf_ocio.color.adaptation import rgb_to_xyz
 from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.color.srgb import decode_srgb
 from facecrf_ocio.errors import SettingsError
-from facecrf_ocio.image.apply import write_exr
+from facecrf_ocio.image.apply import WrittenExr, write_exr
 from facecrf_ocio.photo.unrounded import unrounded
 from facecrf_ocio.values import Float, GainMap, Photo, Primaries
 
@@ -32,7 +32,7 @@ def write_rendition(
     half: bool = True,
     compression: str = "zip",
     overwrite: bool = False,
-) -> Path:
+) -> WrittenExr:
     """Write what a photo's gain map makes of it as an EXR, white of the encoded picture being 1.
 
     Its color space is told as `unknown`, with the primaries beside it: the light is linear, but

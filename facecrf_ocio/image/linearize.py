@@ -11,9 +11,9 @@ import numpy as np
 
 from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.color.working_space import working_primaries, working_space_matrix
-from facecrf_ocio.image.apply import Pixels, Rows, linear_rows, write_exr
+from facecrf_ocio.image.apply import BEYOND_HALF, Pixels, Rows, WrittenExr, linear_rows, write_exr
 from facecrf_ocio.image.exposure import Exposure, find_exposure
-from facecrf_ocio.image.lookup import HALF_MAX, curve_lookup
+from facecrf_ocio.image.lookup import curve_lookup
 from facecrf_ocio.image.lut_lookup import lut_lookup
 from facecrf_ocio.image.uncertainty import CHANNEL, sigma_rows
 from facecrf_ocio.record.provenance import of_estimate, of_lut
@@ -30,7 +30,7 @@ def write_linear(
     uncertainty: bool = False,
     half: bool = True,
     **file: Any,
-) -> Path:
+) -> WrittenExr:
     """Send a photo through its estimated curve and write the result; see `apply.write_exr`.
 
     With `space`, one of `color.working_space.WORKING_SPACES`, a matrix from the photo's primaries
@@ -86,7 +86,7 @@ def write_through_lut(
     half: bool = True,
     compression: str = "zip",
     overwrite: bool = False,
-) -> Path:
+) -> WrittenExr:
     """Send a photo through a LUT file and write the result; see `apply.write_exr`.
 
     Parameters
@@ -102,7 +102,7 @@ def write_through_lut(
         If the file exists and `overwrite` is false, or it cannot be written.
     """
     lookup = lut_lookup(lut, direction)
-    return write_exr(
+    written = write_exr(
         path,
         linear_rows(photo, lookup, half=half),
         photo.but(primaries=lookup.leads_to(photo.primaries)),
@@ -111,14 +111,7 @@ def write_through_lut(
         compression=compression,
         overwrite=overwrite,
     )
-
-
-def beyond_half(photo: Photo, stops: float) -> bool:
-    """Whether light of a scene-linear photo, so many stops brighter, is more than half floats hold.
-
-    It is written as the most they do. A curve's light ends at white, which they hold.
-    """
-    return photo.scene_linear and float(photo.encoded.max()) * 2.0**stops > HALF_MAX
+    return replace(written, notes=(BEYOND_HALF,)) if lookup.has_cut else written
 
 
 def _scaled(linear: Pixels | Rows, factor: float) -> Rows:

@@ -60,6 +60,12 @@ class Lookup:
         self._transform = transform
         self._name = name
         self._tables: dict[tuple[object, ...], _Table] = {}
+        self._has_cut = False
+
+    @property
+    def has_cut(self) -> bool:
+        """Whether half floats were asked for light above 65504 so far, and got 65504."""
+        return self._has_cut
 
     def apply(
         self,
@@ -128,6 +134,8 @@ class Lookup:
             opencv_look_up(codes, table.values, out)
         else:
             numpy_look_up(codes, table.values, out)
+        if table.cut:
+            self._has_cut |= bool((out[..., list(work.color)] == np.float16(HALF_MAX)).any())
 
     def _table(self, pixels: Pixels, dtype: Any, work: _Work) -> _Table:
         values = _every_value(pixels.dtype, work.maximum)
@@ -138,7 +146,9 @@ class Lookup:
         if not np.isfinite(result).all():
             # What was not finite before is no fault of the transform.
             infinite = ~np.isfinite(table) & np.isfinite(values)[:, None]
-        return _Table(_half(table, work.color) if dtype == np.float16 else table, infinite)
+        if dtype != np.float16:
+            return _Table(table, infinite)
+        return _Table(_half(table, work.color), infinite, bool((result > HALF_MAX).any()))
 
     def _compute(self, pixels: Pixels, out: Pixels, work: _Work) -> None:
         plain = work == _Work(work.maximum, _RGB, None) and pixels.shape[2] == 3
@@ -165,7 +175,7 @@ class Lookup:
         if self._name is not None and bring_back(self._transform, given, result):
             self._require_finite(given, result)
         if not straight:
-            out[...] = _half(result, work.color) if out.dtype == np.float16 else result
+            out[...] = self._cut_to_half(result, work) if out.dtype == np.float16 else result
 
     def _band(self, pixels: Pixels, out: Pixels, work: _Work) -> None:
         values = _as_float(pixels, work.maximum)
@@ -178,7 +188,12 @@ class Lookup:
         result = self._transformed(given, work)
         self._require_finite(given[..., : result.shape[2]], result)
         values[..., work.color] = result * coverage
-        out[...] = _half(values, work.color) if out.dtype == np.float16 else values
+        out[...] = self._cut_to_half(values, work) if out.dtype == np.float16 else values
+
+    def _cut_to_half(self, values: Float32, work: _Work) -> Pixels:
+        if (values[..., list(work.color)] > HALF_MAX).any():
+            self._has_cut = True
+        return _half(values, work.color)
 
     def _transformed(self, given: Float32, work: _Work) -> Float32:
         """(H, W, 1 or 3) of (H, W, 3)."""
@@ -215,10 +230,11 @@ class _Work:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Table:
-    """(N, C) what becomes of every value, and which of it is not finite, if any."""
+    """(N, C) what becomes of every value, which of it is not finite, if any, and if any was cut."""
 
     values: Pixels
     infinite: npt.NDArray[np.bool_] | None
+    cut: bool = False
 
 
 def curve_lookup(curve: InverseCRF) -> Lookup:

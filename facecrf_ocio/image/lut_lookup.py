@@ -12,6 +12,7 @@ import PyOpenColorIO as ocio  # noqa: N813
 from facecrf_ocio.color.primaries import CIE_XYZ
 from facecrf_ocio.errors import LutError, SettingsError
 from facecrf_ocio.image.lookup import Lookup
+from facecrf_ocio.lut.format_table import of_suffix
 from facecrf_ocio.lut.lint.text_tables import decimal_comma
 from facecrf_ocio.lut.ocio_processor import RefusedError, exact_cpu, ocio_processor
 from facecrf_ocio.lut.records import LutRecords, lut_records, space_by_matrix
@@ -115,9 +116,6 @@ def described(image: npt.NDArray[Any], depth: Any) -> Any:
     )
 
 
-_TEXTS = (".cube", ".spi1d", ".csp")  # of numbers between spaces
-
-
 def lut_processor(lut: Path) -> Any:
     """The processor of one LUT file, forward, as it is on the disk now.
 
@@ -135,7 +133,8 @@ def lut_processor(lut: Path) -> Any:
         refused = why_unusable(lut)
         if refused:
             raise RefusedError(refused)
-        comma = lut.suffix.lower() in _TEXTS and decimal_comma(lut.read_bytes())
+        row = of_suffix(lut.suffix)
+        comma = decimal_comma(lut.read_bytes()) if row and row.spaced else 0
         if comma:
             problem = f"a number in line {comma} has a decimal comma; write decimal points"
             raise LutError(f"{lut}: {problem}")

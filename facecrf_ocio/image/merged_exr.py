@@ -27,10 +27,13 @@ class MergedFile:
         (J,) exposures relative to the reference, as the pixels have them.
     moved
         Share of each photo's pixels that was set aside as moved.
+    notes
+        As `WrittenExr` has them.
     """
 
     stops: Float
     moved: tuple[float, ...]
+    notes: tuple[str, ...] = ()
 
 
 def write_merged(
@@ -84,7 +87,7 @@ def write_merged(
     listed = ", ".join(
         f"{plain_text(p.name)} {s:+.2f}" for p, s in zip(bracket.paths, relative, strict=True)
     )
-    write_exr(
+    written = write_exr(
         path,
         merged.linear,
         replace(merged.reference, alpha=None),
@@ -98,4 +101,4 @@ def write_merged(
         compression=compression,
         overwrite=overwrite,
     )
-    return MergedFile(relative, merged.moved)
+    return MergedFile(relative, merged.moved, written.notes)

@@ -47,6 +47,8 @@ class LutFormat:
         Whether it is written unless formats are named.
     in_configs
         Whether a config may refer to it; of several for one photo, the first row's counts.
+    spaced
+        Whether it is numbers between spaces, which OpenColorIO reads up to a decimal comma.
     also
         Other suffixes of files of this format.
     """
@@ -59,6 +61,7 @@ class LutFormat:
     profile: bool = False
     default: bool = False
     in_configs: bool = True
+    spaced: bool = False
     also: tuple[str, ...] = ()
 
     @property
@@ -92,8 +95,8 @@ def register(row: LutFormat) -> LutFormat:
 
 
 for _row in (
-    LutFormat("spi1d", _ROOM + "formats.spi1d:spi1d_text", _KEYED, default=True),
-    LutFormat("cube", _ROOM + "formats.cube:cube_text", _KEYED, default=True),
+    LutFormat("spi1d", _ROOM + "formats.spi1d:spi1d_text", _KEYED, default=True, spaced=True),
+    LutFormat("cube", _ROOM + "formats.cube:cube_text", _KEYED, default=True, spaced=True),
     LutFormat(
         "clf",
         _ROOM + "formats.clf:clf_text",
@@ -103,7 +106,9 @@ for _row in (
         default=True,
     ),
     LutFormat("ctf", _ROOM + "formats.clf:ctf_text", _XML, encoding=Encoding.EXACT, matrix=True),
-    LutFormat("csp", _ROOM + "formats.csp:csp_text", _ROOM + "lint.text_tables:csp_tables"),
+    LutFormat(
+        "csp", _ROOM + "formats.csp:csp_text", _ROOM + "lint.text_tables:csp_tables", spaced=True
+    ),
     LutFormat(
         "icc",
         _ROOM + "formats.icc:icc_bytes",
@@ -113,7 +118,7 @@ for _row in (
         in_configs=False,
         also=("icm",),
     ),
-    LutFormat("iridas.cube", _ROOM + "formats.iridas_cube:iridas_cube_text", _KEYED),
+    LutFormat("iridas.cube", _ROOM + "formats.iridas_cube:iridas_cube_text", _KEYED, spaced=True),
     LutFormat(
         "v4.icc",
         _ROOM + "formats.icc_v4:icc_v4_bytes",

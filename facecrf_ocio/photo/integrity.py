@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import stat
-import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
 from facecrf_ocio.errors import IS_FOLDER, PhotoError
+from facecrf_ocio.photo.png_chunks import chunks
 from facecrf_ocio.photo.suffixes import HEAD, kind_of
 
 MAX_MEGAPIXELS = 150
@@ -19,7 +19,6 @@ MAX_MEGAPIXELS = 150
 COPY_AGAIN = "copy it again from the camera or from a backup"
 
 _BLOCK = 1 << 20  # [byte] hashed at once
-_PNG_START = 8  # [byte] the signature, before its first chunk
 _CODESTREAM = b"\xff\x4f\xff\x51"  # JPEG 2000: start of codestream, then its sizes
 
 
@@ -99,7 +98,6 @@ def _check_claims(path: Path, file: BinaryIO) -> None:
     kind = kind_of(head)
     name = "" if kind is None else kind.name
     if name == "PNG":
-        file.seek(_PNG_START)
         _check_png(path, file)
     elif name == "GIF":
         check_size(path, *(int.from_bytes(head[at : at + 2], "little") for at in (6, 8)))
@@ -109,16 +107,8 @@ def _check_claims(path: Path, file: BinaryIO) -> None:
 
 
 def _check_png(path: Path, file: BinaryIO) -> None:
-    """Check that every chunk up to the last is whole (PNG, third edition, sec. 5.3)."""
-    kind, size = b"", path.stat().st_size
-    while kind != b"IEND":
-        header = file.read(8)
-        length, kind = int.from_bytes(header[:4], "big"), header[4:]
-        # A length that is a lie must not cost its memory.
-        data = file.read(min(length + 4, size))
-        if len(header) < 8 or len(data) < length + 4:
+    for chunk in chunks(file):
+        if not chunk.is_whole:
             raise PhotoError(path, "is cut short (the PNG ends early)", COPY_AGAIN)
-        checksum = int.from_bytes(data[-4:], "big")
-        # A capital first letter marks the chunks that pixels depend on.
-        if kind[:1].isupper() and zlib.crc32(data[:-4], zlib.crc32(kind)) != checksum:
+        if chunk.is_critical and chunk.is_damaged:
             raise PhotoError(path, "is damaged (a PNG checksum does not match)", COPY_AGAIN)

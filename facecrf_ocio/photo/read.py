@@ -40,7 +40,7 @@ from facecrf_ocio.photo.pixels import (
     three_channels,
     unpremultiplied,
 )
-from facecrf_ocio.photo.png_gamma import has_void_gamma
+from facecrf_ocio.photo.png_chunks import has_void_gamma
 from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
 from facecrf_ocio.photo.suffixes import HEIF
 from facecrf_ocio.values import Camera, Photo, Primaries, frozen

@@ -165,8 +165,9 @@ class SaveEXR:
             array = np.ascontiguousarray(pixels, np.float32)
             photo = Photo(array, scene_linear=True)
             provenance = {"node": "ComfyUI Save EXR", "version": __version__}
-            written.append(write_exr(target, array, photo, provenance=provenance, half=half))
-        return {"ui": {"text": [str(path) for path in written]}}
+            exr = write_exr(target, array, photo, provenance=provenance, half=half)
+            written += [str(exr.path), *exr.notes]
+        return {"ui": {"text": written}}
 
 
 def _output_folder():

@@ -47,7 +47,7 @@ from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.photo.shot import read_shot
 from facecrf_ocio.record.demand import Demand, demand
 from facecrf_ocio.record.output_names import EXR, RECORD, output_path
-from facecrf_ocio.record.outputs import write_outputs
+from facecrf_ocio.record.outputs import require_outputs_free, write_outputs
 from facecrf_ocio.values import Estimate, Photo
 
 # What is wrong with the disk, and not with the photo: every other photo would fail alike.
@@ -93,9 +93,11 @@ def _attempt(task: Task) -> Result:
             return replace(result, timing=Timing(read - start, perf_counter() - read))
         result, estimate = _estimate(task, photo)
         done = perf_counter() if task.estimate is None else read
-        names = () if estimate.found is None else _write(task, photo, estimate)
+        names, notes = ((), ()) if estimate.found is None else _write(task, photo, estimate)
         summary = summary_of(estimate, _luts(names)) if names else ""
-        result = replace(result, thumbnail=thumbnail_of(photo, estimate), summary=summary)
+        reason = "; ".join((result.reason, *notes))
+        thumbnail = thumbnail_of(photo, estimate)
+        result = replace(result, reason=reason, thumbnail=thumbnail, summary=summary)
         outputs = tuple(_described(task.place.folder, path) for path in names)
     except Exception as error:  # whatever a library or we raise costs this photo, not the run
         return replace(failure_of(error), sha256=sha256)
@@ -175,28 +177,27 @@ def _camera(photo: Photo) -> tuple[str, str, str, str]:
     return camera.make, camera.model, camera.serial, camera.software
 
 
-def _write(task: Task, photo: Photo, estimate: Estimate) -> tuple[Path, ...]:
-    recipe = task.recipe
+def _write(
+    task: Task, photo: Photo, estimate: Estimate
+) -> tuple[tuple[Path, ...], tuple[str, ...]]:
+    """Write all files of a photo: their paths, and what its EXR does not hold."""
+    recipe, name = task.recipe, Path(task.name).name
     # First, since it is no photo's half result.
     own = task.estimate is None and task.gathered is None  # else its faces may be other photos'
     faces = estimate.faces if own else ()
     exposure = find_exposure(recipe.exposure, photo, estimate.curve, faces) if recipe.exr else None
     folder = task.place.inside(task.name).parent
     make_folder(folder)
-    written = write_outputs(
-        photo,
-        estimate,
-        recipe.settings,
-        folder,
-        recipe.formats,
-        overwrite=task.overwrite,
-        name=Path(task.name).name,
-    )
+    how: dict[str, Any] = {"overwrite": task.overwrite, "name": name}
+    exr = None
     if exposure is not None:
-        exr = output_path(folder, task.name, EXR)
-        how: dict[str, Any] = {"exposure": exposure, "overwrite": task.overwrite}
-        written += (write_linear(exr, photo, estimate, **how),)
-    return written
+        # Before the record, which tells what it does not hold.
+        require_outputs_free(task.source, folder, recipe.formats, **how)
+        path = output_path(folder, task.name, EXR)
+        exr = write_linear(path, photo, estimate, exposure=exposure, overwrite=task.overwrite)
+        photo = photo.but(notes=(*photo.notes, *exr.notes))
+    written = write_outputs(photo, estimate, recipe.settings, folder, recipe.formats, **how)
+    return (written, ()) if exr is None else ((*written, exr.path), exr.notes)
 
 
 def _luts(written: tuple[Path, ...]) -> tuple[str, ...]:

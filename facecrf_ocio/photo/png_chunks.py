@@ -1,0 +1,68 @@
+"""The chunks that a PNG consists of (PNG, third edition, sec. 5.3), and what they tell."""
+
+from __future__ import annotations
+
+import io
+import os
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import BinaryIO
+
+_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """One chunk; of one that the file ends within, what is there."""
+
+    kind: bytes
+    data: bytes
+    checksum: int | None
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether the file goes on to its end."""
+        return self.checksum is not None
+
+    @property
+    def is_damaged(self) -> bool:
+        """Whether its bytes are not those that were written."""
+        return self.is_whole and zlib.crc32(self.data, zlib.crc32(self.kind)) != self.checksum
+
+    @property
+    def is_critical(self) -> bool:
+        """Whether pixels depend on it, by the capital first letter of its kind."""
+        return self.kind[:1].isupper()
+
+
+def chunks(file: BinaryIO) -> Iterator[Chunk]:
+    """The chunks of a PNG in their order, up to IEND or to one that is not whole."""
+    size = file.seek(0, os.SEEK_END)
+    file.seek(len(_SIGNATURE))
+    kind = b""
+    while kind != b"IEND":
+        header = file.read(8)
+        length, kind = int.from_bytes(header[:4], "big"), header[4:]
+        # A length that is a lie must not cost its memory.
+        data = file.read(min(length, size))
+        checksum = file.read(4)
+        if len(header) < 8 or len(data) < length or len(checksum) < 4:
+            yield Chunk(kind, data, None)
+            return
+        yield Chunk(kind, data, int.from_bytes(checksum, "big"))
+
+
+def has_void_gamma(content: bytes) -> bool:
+    """Whether a PNG's gAMA is zero, which says nothing (PNG, third edition, 11.3.2.2).
+
+    OpenImageIO takes it for linear.
+    """
+    if not content.startswith(_SIGNATURE):
+        return False
+    for chunk in chunks(io.BytesIO(content)):
+        if chunk.kind == b"IDAT":
+            break
+        if chunk.kind == b"gAMA":
+            return not any(chunk.data)
+    return False
