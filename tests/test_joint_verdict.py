@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from facecrf_ocio.joint.conclusion import shipped_joint
+from facecrf_ocio.joint.joint_model import shipped_joint
 from facecrf_ocio.joint.prior import Message
 from facecrf_ocio.joint.verdict import judge
 from facecrf_ocio.response.expected_stops import (
