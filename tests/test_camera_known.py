@@ -102,6 +102,20 @@ def test_a_photo_may_contradict_its_camera():
     assert doubt in sentence(known)
 
 
+def test_one_curve_of_photos_that_name_several_cameras_is_never_reliable():
+    named = [("ACME", "One"), ("Acme Inc.", "one "), ("", ""), ("Acme", "Two"), ("Zeta", "Zeta 3")]
+    photos = [replace(said(2.2, 400.0), camera=camera) for camera in named]
+    alike = conclude(photos[:3], cameras=())
+    assert alike.confidence.verdict is Verdict.RELIABLE
+    assert alike.confidence.doubts == ()
+    mixed = conclude(photos, cameras=())
+    assert mixed.confidence.verdict is Verdict.WEAK
+    (doubt,) = mixed.confidence.doubts
+    assert doubt == (
+        "the photos name 3 cameras, but one curve is of one camera: ACME One, Acme Two, Zeta 3"
+    )
+
+
 def test_bends_of_a_measured_curve_contradict_no_photo():
     """As red and blue of the 350D have them, solved from a stack; brightness and contrast agree."""
     prior = shipped_prior()

@@ -15,6 +15,7 @@ from facecrf_ocio.joint.fuse import average, multiply, widened
 from facecrf_ocio.joint.joint_model import JointModel, shipped_joint
 from facecrf_ocio.joint.known_response import (
     KnownResponse,
+    cameras_named,
     in_channels,
     known_responses,
     share_beside,
@@ -38,6 +39,7 @@ from facecrf_ocio.values import (
 # Photos of one camera err alike in part (what a cue does not know of any photo): the correlation of
 # their errors, by which bands of several photos cover as they say.
 PHOTO_CORRELATION = 0.5
+_CAMERAS_TOLD = 3  # of those that photos of one curve name by mistake: the mistake is seen
 # Of cues whose names in the code are not words.
 _NAMES = {
     COMBINED: "the combination of all cues",
@@ -98,7 +100,7 @@ def conclude(
     alike = strictly_increasing([model.prior.samples(posterior.mean)] * len(CHANNELS))
     found = inverse_crf(model.prior.grid, alike)
     confidence = _confidence(telling, posterior, found, model, dissent)
-    confidence = doubted(_with_cameras(confidence, known, dissent), _doubts_of(named))
+    confidence = doubted(_with_cameras(confidence, telling, known, dissent), _doubts_of(named))
     if not shared:
         agreed = {one: what for one, what in known.items() if _measured(what) not in dissent}
         found = in_channels(found, agreed, (one.camera for one in telling), model.prior)
@@ -136,19 +138,24 @@ def _doubts_of(named: Mapping[str, PhotoEvidence]) -> tuple[str, ...]:
 
 def _with_cameras(
     confidence: Confidence,
+    telling: Sequence[PhotoEvidence],
     known: Mapping[tuple[str, str], KnownResponse],
     dissent: Sequence[str],
 ) -> Confidence:
-    """Say what was known of the cameras; `weak` where a photo contradicts that."""
-    if not known:
-        return confidence
+    """Say what was known of the cameras; `weak` where a photo contradicts that, or they differ."""
     named = dict.fromkeys(_measured(one) for one in known.values())
     agreeing = (f"{one} counts as evidence" for one in named if one not in dissent)
-    doubts = (
-        f"the photo contradicts {one}: another picture style, or edited"
-        for one in named
-        if one in dissent
-    )
+    photos = "the photo contradicts" if len(telling) == 1 else "the photos contradict"
+    doubts = [
+        f"{photos} {one}: another picture style, or edited" for one in named if one in dissent
+    ]
+    taken_with = cameras_named(one.camera for one in telling)
+    if len(taken_with) > 1:
+        told_of = [*taken_with[:_CAMERAS_TOLD], *(["..."] if taken_with[_CAMERAS_TOLD:] else [])]
+        doubts.append(
+            f"the photos name {len(taken_with)} cameras, but one curve is of one camera: "
+            f"{', '.join(told_of)}"
+        )
     told = replace(confidence, reasons=(*confidence.reasons, *agreeing))
     return doubted(told, tuple(doubts))
 

@@ -93,7 +93,7 @@ def known_response(
     spread = np.full(each.shape[1], others)
     spread[:_IN_COMMON] = first, second
     return KnownResponse(
-        _called(found[0]),
+        _called(found[0].make, found[0].model),
         Message(sure @ each / sure.sum(), 1.0 / (spread**2 + 1.0 / sure.sum())),
         _apart([one for one in found if one not in shipped_cameras()], prior),
     )
@@ -156,10 +156,22 @@ def _roots(camera: KnownCamera, prior: FamilyPrior) -> Float:
     return np.asarray(np.sqrt(light))
 
 
-def _called(camera: KnownCamera) -> str:
+def cameras_named(named: Iterable[tuple[str, str]]) -> tuple[str, ...]:
+    """What the cameras that files name are called, each once; those of no name are left out.
+
+    By model alone, whatever its case: programs write one maker's name in several ways.
+    """
+    models: dict[str, str] = {}
+    for make, model in named:
+        if model.strip():
+            models.setdefault(model.strip().casefold(), _called(make.strip(), model.strip()))
+    return tuple(models.values())
+
+
+def _called(make: str, model: str) -> str:
     """Make and model, the make once: many models begin with it."""
-    begins = camera.model.casefold().startswith(camera.make.casefold())
-    return camera.model if begins else f"{camera.make} {camera.model}"
+    begins = model.casefold().startswith(make.casefold())
+    return model if begins else f"{make} {model}"
 
 
 def coefficients(camera: KnownCamera, prior: FamilyPrior) -> Float:
