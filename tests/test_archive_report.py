@@ -228,8 +228,7 @@ def test_each_photo_says_what_to_expect_and_names_its_files(archive):
     record = json.loads((archive / "film.jpg.crf.json").read_text(encoding="utf-8"))
     assert page.word("line", row)
     assert record["summary"].startswith(page.word("line", row))
-    assert page.word("sentence", row).startswith(page.word("line", row))
-    assert "--together" not in page.word("sentence", row)
+    assert "--together" not in page.word("steps", row)
     assert page.word("steps", row).splitlines()[0].startswith("Apply it")
     assert page.word("files", row).splitlines() == ["*.spi1d", "*.crf.json"]
     assert page.data["links"] == ["../photos", "."]

@@ -17,7 +17,7 @@ from facecrf_ocio.archive.report import look_again, record_summary
 from facecrf_ocio.archive.task import Recipe, Result, Task
 from facecrf_ocio.archive.work.worker_answer import checked
 
-COLUMNS = ("faces", "stops", "shadows", "line", "sentence", "steps", "files", "missing")
+COLUMNS = ("faces", "stops", "shadows", "line", "steps", "files", "missing")
 
 
 @pytest.fixture
@@ -41,7 +41,7 @@ def parsed(monkeypatch):
 def said(page):
     """What a page tells of each photo, its words among it."""
     columns, words = page.data["columns"], page.data["words"]
-    worded = ("line", "sentence", "steps", "files", "missing")
+    worded = ("line", "steps", "files", "missing")
     return {
         name: [words[n] for n in columns[name]] if name in worded else columns[name]
         for name in COLUMNS
@@ -61,7 +61,7 @@ def test_a_report_reads_no_record_that_is_as_it_was_written(archive, parsed):
     fresh = page_of(archive, large=0)
     assert sorted(parsed) == sorted(NAMES)
     assert said(kept) == said(fresh)
-    assert any(said(kept)["sentence"])
+    assert any(said(kept)["line"])
     assert np.abs(curves(kept) - curves(fresh)).max() <= 1  # of 65,535: records thin their bands
 
 

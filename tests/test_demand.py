@@ -59,7 +59,10 @@ def test_a_verdict_is_demanded_as_before():
 def test_the_expected_error_comes_first_and_srgb_is_a_statement_of_its_own():
     first, second, third, fourth = trust_sentences(TOLD)
     assert first.startswith("expected error 0.08 stops over codes 64 to 235, 0.21 in the shadows")
-    assert second.startswith("the curve differs from sRGB: it is nearer to the truth in 97 %")
+    assert second == (
+        "the curve differs from sRGB: of the curves that the photo leaves possible, 97 % are "
+        "nearer to it than to sRGB"
+    )
     assert third == "grain contradicts the other evidence and counts less"
     assert fourth == "a reason"
     assert "the curve may be sRGB" in trust_sentences(replace(TOLD, nearer_than_srgb=0.4))[1]

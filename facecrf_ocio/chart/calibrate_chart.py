@@ -40,7 +40,7 @@ MOST_RESIDUAL = 0.15
 _ROUNDS = 4  # between the curve and the light that falls on the chart
 _REMEDY = (
     "photograph a ColorChecker Classic in even light, its white patch not clipped, all of it in "
-    "the picture and 100 px wide or more; give the corners of its patches, corners_xy=..."
+    "the picture and 100 px wide or more, or give the corners of its patches, corners_xy=..."
 )
 
 

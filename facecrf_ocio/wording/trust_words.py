@@ -41,6 +41,6 @@ def compared_with_srgb(confidence: Confidence) -> str:
         return ""
     said = "differs from sRGB" if confidence.differs_from_srgb else "may be sRGB"
     return (
-        f"the curve {said}: it is nearer to the truth in {100.0 * share:.0f} % of the curves that "
-        "the photo leaves possible"
+        f"the curve {said}: of the curves that the photo leaves possible, {100.0 * share:.0f} % "
+        "are nearer to it than to sRGB"
     )

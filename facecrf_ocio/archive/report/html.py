@@ -108,7 +108,7 @@ def render(
     data = {
         "version": __version__,
         "generated": generated,
-        "folder": str(archive.folder),
+        "folder": str(archive.folder.absolute()),
         "source": "" if archive.source is None else str(archive.source),
         "sourceThere": source_is_there,
         "kinds": KINDS,
@@ -203,7 +203,7 @@ def _columns(
 
 
 # Texts of `Pictures` that are columns; of several lines each.
-_TOLD = ("line", "sentence", "steps")
+_TOLD = ("line", "steps")
 
 
 def _told(shown: Pictures | None, name: str) -> str:

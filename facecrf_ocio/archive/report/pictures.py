@@ -10,7 +10,7 @@ from facecrf_ocio.archive.thumbnail import QUALITY, SIDE, light_of, shrunk, webp
 from facecrf_ocio.photo.pixels import Pixels
 from facecrf_ocio.values import Estimate, InverseCRF
 from facecrf_ocio.wording.next_steps import next_steps
-from facecrf_ocio.wording.sentence import ARCHIVE, Surface, expected, sentence
+from facecrf_ocio.wording.sentence import ARCHIVE, Surface, expected
 
 _LARGE_EFFORT = 2
 """Of WebP: half the time of 4, for 3 % more bytes."""
@@ -37,8 +37,8 @@ class Pictures:
         Number of faces used.
     expected
         [stop] Expected error over codes 64 to 235, and in the shadows; None where it is not known.
-    line, sentence, steps
-        What to expect of the curve; the same with what would make it surer; what to do next.
+    line, steps
+        What to expect of the curve; what to do next.
     files
         Names of the files that were written of the photo.
     """
@@ -50,7 +50,6 @@ class Pictures:
     faces: int = 0
     expected: tuple[float, float] | None = None
     line: str = ""
-    sentence: str = ""
     steps: tuple[str, ...] = ()
     files: tuple[str, ...] = ()
 
@@ -62,7 +61,6 @@ def told(estimate: Estimate, files: tuple[str, ...] = (), surface: Surface = ARC
         faces=len(estimate.faces),
         expected=_in_stops(estimate),
         line=expected(estimate),
-        sentence=sentence(estimate, surface),
         steps=next_steps(estimate, surface),
         files=files,
     )

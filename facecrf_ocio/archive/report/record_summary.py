@@ -37,7 +37,6 @@ def summary_of(estimate: Estimate, luts: tuple[str, ...]) -> str:
         "faces": shown.faces,
         "expected": shown.expected,
         "line": shown.line,
-        "sentence": shown.sentence,
         "steps": shown.steps,
         "luts": luts,
     }
@@ -67,6 +66,5 @@ def _shown(record: Any) -> Pictures:
         faces=int(record["faces"]),
         expected=None if expected is None else (float(expected[0]), float(expected[1])),
         line=str(record["line"]),
-        sentence=str(record["sentence"]),
         steps=tuple(map(str, record["steps"])),
     )

@@ -50,7 +50,7 @@ function curves(row) {
   ];
 }
 function says(row) {
-  const text = visible(word("sentence", row) || word("reason", row));
+  const text = visible(lineOf(row));
   return el("p", {class: "says"}, verdict(C.kind[row]), ...(text ? typed(`: ${text}.`) : []));
 }
 function detail(row) {

@@ -3,13 +3,10 @@ const STOPS_SHOWN = 2;
 function plotStops(index, width, height) {
   const channels = curveOf(index);
   const [left, bottom, edge] = [44, 40, 8];
-  const first = Math.ceil((16 / 255) * (DATA.srgb.length - 1));
+  const first = Math.round((16 / 255) * (DATA.srgb.length - 1));
   const u = (k) => k / (DATA.srgb.length - 1);
   const x = (v) => (left + v * (width - left - edge)).toFixed(1);
-  const y = (v) => {
-    const inside = Math.min(Math.max(v, -STOPS_SHOWN), STOPS_SHOWN);
-    return (edge + (0.5 - inside / (2 * STOPS_SHOWN)) * (height - bottom - edge)).toFixed(1);
-  };
+  const y = (v) => (edge + (0.5 - v / (2 * STOPS_SHOWN)) * (height - bottom - edge)).toFixed(1);
   const path = (values) =>
     values
       .slice(first)
@@ -56,17 +53,27 @@ function plotStops(index, width, height) {
     ),
   );
   const color = (kind, i) => (channels.length === 1 ? "" : ` ${kind}${"rgb"[i]}`);
+  // A drawing of its own shows nothing beyond its edges: curves leave it where they are far off.
+  const [across, down] = [width - left - edge, height - bottom - edge];
+  const inside = svg("svg", {
+    x: left,
+    y: edge,
+    width: across,
+    height: down,
+    viewBox: `${left} ${edge} ${across} ${down}`,
+  });
   channels.forEach(({stops, halfStops}, i) => {
     const up = path(stops.map((v, k) => v + halfStops[k]));
-    const down = stops
+    const back = stops
       .map((v, k) => `L${x(u(k))} ${y(v - halfStops[k])}`)
       .slice(first)
       .reverse()
       .join("");
-    picture.append(svg("path", {class: `area${color("a", i)}`, d: `${up}${down}Z`}));
+    inside.append(svg("path", {class: `area${color("a", i)}`, d: `${up}${back}Z`}));
   });
   channels.forEach(({stops}, i) =>
-    picture.append(svg("path", {class: `line${color("c", i)}`, d: path(stops)})),
+    inside.append(svg("path", {class: `line${color("c", i)}`, d: path(stops)})),
   );
+  picture.append(inside);
   return picture;
 }
