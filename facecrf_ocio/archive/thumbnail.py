@@ -11,6 +11,7 @@ from PIL import Image
 from facecrf_ocio.archive.task import Thumbnail
 from facecrf_ocio.color.srgb import encode_srgb
 from facecrf_ocio.image.lookup import curve_lookup
+from facecrf_ocio.photo.halves import halved
 from facecrf_ocio.photo.pixels import Pixels, code_values
 from facecrf_ocio.values import Estimate, InverseCRF, Outcome, Photo
 
@@ -34,7 +35,7 @@ def thumbnail_of(photo: Photo, estimate: Estimate | None) -> Thumbnail:
     inverse = None if estimate is None else estimate.found
     linear = estimate is not None and is_linear(estimate)
     try:
-        small = shrunk(_halved(photo.pixels, 4 * SIDE), 2 * SIDE)
+        small = shrunk(_reduced(photo.pixels, 2 * SIDE), 2 * SIDE)
         return Thumbnail(*webps(small, light_of(small, inverse, linear=linear), linear=linear))
     except Exception:  # the report tries again; nobody's curve may be lost for it
         return Thumbnail(b"")
@@ -85,17 +86,11 @@ def shrunk(image: Pixels, side: int) -> Pixels:
     return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), image.dtype)
 
 
-def _halved(image: Pixels, least: int) -> Pixels:
-    """Average 2 x 2 pixels while the longer side keeps `least`: a fifth of the time of `shrunk`.
-
-    An odd last row or column is left out.
-    """
-    while max(image.shape[:2]) >= 2 * least and min(image.shape[:2]) > 1:
-        height, width = image.shape[0] // 2, image.shape[1] // 2
-        even = image[: 2 * height, : 2 * width]
-        half = cv2.resize(even, (width, height), interpolation=cv2.INTER_AREA)
-        image = np.asarray(half, image.dtype)
-    return image
+def _reduced(image: Pixels, least: int) -> Pixels:
+    """Halved while the longer side keeps `least`: a fifth of the time of `shrunk`."""
+    times = max(0, (max(image.shape[:2]) // least).bit_length() - 1)
+    largest = min(image.shape[:2]).bit_length() - 1  # of which a pixel is left
+    return halved(image, min(times, largest))
 
 
 def _webp(encoded: Pixels, side: int, quality: int, effort: int) -> bytes:

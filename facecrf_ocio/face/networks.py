@@ -58,6 +58,9 @@ class Network:
 
     def __init__(self, file: str, *outputs: str) -> None:
         self._net: Any = cv2.dnn.readNetFromTFLite(str(model_path(file)), **_ENGINE)
+        # What follows a convolution runs faster behind it than within: a fourteenth of the whole
+        # for landmarks, to the same numbers.
+        self._net.enableFusion(False)
         self._outputs = outputs
         self._lock = threading.Lock()  # a network keeps its input between two calls
 

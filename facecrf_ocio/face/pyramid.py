@@ -5,6 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from facecrf_ocio.photo.halves import halved
 from facecrf_ocio.photo.pixels import Pixels, code_values
 from facecrf_ocio.values import Float
 
@@ -25,7 +26,6 @@ class Pyramid:
     """
 
     def __init__(self, pixels: Pixels, *long_sides: int) -> None:
-        self._halves = [pixels]
         self._sizes: list[tuple[int, int]] = [(pixels.shape[0], pixels.shape[1])]
         self._sides: list[int] = [max(pixels.shape[:2])]
         for side in long_sides:
@@ -45,7 +45,7 @@ class Pyramid:
         if index not in self._levels:
             height, width = self._sizes[index]
             halvings = self._halvings(index)
-            source = self._halved(halvings) if self._is_large else self.level(index - 1)
+            source = halved(self._levels[0], halvings) if self._is_large else self.level(index - 1)
             source = code_values(source, 8)
             copy = cv2.resize(source, (width, height), interpolation=cv2.INTER_AREA)
             self._levels[index] = np.asarray(copy, np.float32)
@@ -74,13 +74,3 @@ class Pyramid:
             return 0
         largest = min(self._sizes[0]).bit_length() - 1  # of which a pixel is left
         return min(largest, (self._sides[0] // self._sides[level]).bit_length() - 1)
-
-    def _halved(self, halvings: int) -> Pixels:
-        while len(self._halves) <= halvings:
-            last = self._halves[-1]
-            height, width = last.shape[0] // 2, last.shape[1] // 2
-            even = last[: 2 * height, : 2 * width]
-            self._halves.append(
-                np.asarray(cv2.resize(even, (width, height), interpolation=cv2.INTER_AREA))
-            )
-        return self._halves[halvings]
