@@ -84,10 +84,12 @@ def face_geometry(
     triangles = mesh_triangles()
     raster = rasterize(vertices, triangles, height, width)
     normals = interpolate(raster, triangles, vertex_normals(vertices, triangles))
-    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    x, y, z = (normals[..., axis] for axis in range(3))
+    normals /= np.sqrt(x * x + y * y + z * z)[..., None]
     covered = raster.triangle >= 0
     bare_skin = covered & _away_from_edges(vertices, covered)
-    bare_skin[covered] &= normals[covered][:, 2] > _STEEPEST
+    with np.errstate(invalid="ignore"):
+        bare_skin &= normals[..., 2] > _STEEPEST
     return FaceGeometry(vertices, triangles, frozen(normals, np.float32), frozen(bare_skin, bool))
 
 
@@ -104,9 +106,20 @@ def _away_from_edges(vertices: Float, covered: Bool) -> Bool:
     head_width = float(np.linalg.norm(left - right))
     away: Bool = _distance_to(~covered) > _OUTLINE_MARGIN * head_width
     for outline, margin in _FEATURE_MARGINS:
-        feature = _fill_hull(vertices[list(outline), :2], covered.shape)
-        away &= _distance_to(feature) > margin * head_width
+        _clear(away, vertices[list(outline), :2], margin * head_width)
     return away
+
+
+def _clear(away: Bool, points: Float, margin: float) -> None:
+    """Take what is no farther than a margin [px] from the points' hull from (H, W) `away`."""
+    feature = _fill_hull(points, away.shape)
+    # Nothing farther is near the hull, and no way from what is near leads out of this part.
+    reach = int(margin) + 2
+    low = np.maximum(np.floor(points.min(axis=0)).astype(int) - reach, 0)
+    high = np.maximum(np.ceil(points.max(axis=0)).astype(int) + reach, 0)
+    part = slice(low[1], high[1]), slice(low[0], high[0])
+    if feature[part].size:
+        away[part] &= _distance_to(feature[part]) > margin
 
 
 def _fill_hull(points: Float, shape: tuple[int, ...]) -> Bool:

@@ -56,19 +56,22 @@ def rasterize(vertices: npt.ArrayLike, triangles: npt.ArrayLike, height: int, wi
     planes = _barycentric_planes(corners)
     usable = np.isfinite(planes).all(axis=(1, 2)) & np.isfinite(corners).all(axis=(1, 2))
     face, row = _covered_rows(corners, np.flatnonzero(usable), height)
-    span, column = _covered_columns(corners[face], row, width)
+    span, column = _covered_columns(corners, face, row, width)
     face, row = face[span], row[span]
     with np.errstate(invalid="ignore"):
         depth_planes = (planes * corners[:, :, 2, None]).sum(axis=1)
-    visible = _nearest(_evaluate(depth_planes, face, row, column), row * width + column)
-    face, row, column = face[visible], row[visible], column[visible]
+    pixel = row * width + column
+    visible = _nearest(_evaluate(depth_planes, face, row, column), pixel)
+    face, row, column, pixel = face[visible], row[visible], column[visible], pixel[visible]
 
-    triangle = np.full((height, width), -1, dtype=np.int32)
-    barycentric = np.full((height, width, 3), np.nan, dtype=np.float32)
-    triangle[row, column] = face
-    for corner in range(3):
-        barycentric[row, column, corner] = _evaluate(planes[:, corner], face, row, column)
-    return Raster(triangle, barycentric)
+    triangle = np.full(height * width, -1, dtype=np.int32)
+    barycentric = np.full((height * width, 3), np.nan, dtype=np.float32)
+    triangle[pixel] = face
+    weights = [_evaluate(planes[:, corner], face, row, column) for corner in range(3)]
+    barycentric[pixel] = np.stack(weights, axis=1)
+    for array in (triangle, barycentric):
+        array.flags.writeable = False  # or the raster would copy them
+    return Raster(triangle.reshape(height, width), barycentric.reshape(height, width, 3))
 
 
 def interpolate(
@@ -93,10 +96,10 @@ def interpolate(
     values = np.asarray(attributes, dtype=np.float32)
     triangle = raster.triangle.ravel()
     inside = np.flatnonzero(triangle >= 0)
-    corners = np.asarray(triangles, dtype=np.intp)[triangle[inside]]
-    weights = raster.barycentric.reshape(-1, 3)[inside]
+    corners = values[np.asarray(triangles, dtype=np.intp)].take(triangle[inside], axis=0)
+    corners *= raster.barycentric.reshape(-1, 3).take(inside, axis=0)[..., None]
     result = np.full((triangle.size, values.shape[1]), np.nan, dtype=np.float32)
-    result[inside] = sum(weights[:, k, None] * values[corners[:, k]] for k in range(3))
+    result[inside] = corners[:, 0] + corners[:, 1] + corners[:, 2]
     return result.reshape(*raster.triangle.shape, values.shape[1])
 
 
@@ -158,10 +161,11 @@ def _covered_rows(corners: Float, faces: Index, height: int) -> tuple[Index, Ind
     return faces[item], row
 
 
-def _covered_columns(corners: Float, row: Index, width: int) -> tuple[Index, Index]:
-    """For (N, 3, 3) corners and one row each, all pairs (n, column) inside of the triangle."""
+def _covered_columns(corners: Float, face: Index, row: Index, width: int) -> tuple[Index, Index]:
+    """For N pairs (face, row) of (F, 3, 3) corners, all pairs (n, column) inside of the face."""
     order = np.argsort(corners[:, :, 1], axis=1, kind="stable")
-    top, middle, bottom = np.take_along_axis(corners, order[:, :, None], axis=1).transpose(1, 0, 2)
+    falling = np.take_along_axis(corners[:, :, :2], order[:, :, None], axis=1)
+    top, middle, bottom = falling.take(face, axis=0).transpose(1, 0, 2)
     y = row + 0.5
     upper = (y < middle[:, 1])[:, None]
     # Edges are always followed downward, so that both neighbors of an edge cross it at the very

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -51,8 +52,12 @@ def find_skin(
     bare_skin
         (H, W) inside of the face mesh, without eyes, brows, lips and nostrils.
     """
-    hue, saturation, value = cv2.split(cv2.cvtColor(encoded, cv2.COLOR_RGB2HSV))
-    usable = bare_skin & (value < CLIPPED) & (encoded.min(axis=2) > BLACK)
+    planes: Any = cv2.split(cv2.cvtColor(encoded, cv2.COLOR_RGB2HSV))
+    hue, saturation, value = planes
+    colors: Any = cv2.split(encoded)
+    red, green, blue = colors
+    darkest = np.asarray(cv2.min(cv2.min(red, green), blue))
+    usable = bare_skin & (value < CLIPPED) & (darkest > BLACK)
     colored = usable & (saturation > MIN_SATURATION)
     mode, histogram = _hue_mode(hue[colored])
     distance = np.abs((hue - mode + 180.0) % 360.0 - 180.0)

@@ -79,7 +79,9 @@ def _of_channel(channel: Any) -> float:
 def _blurred(counts: Float, deviation: int) -> Float:
     reach = 3 * deviation
     bell = cv2.getGaussianKernel(2 * reach + 1, deviation).ravel()
-    return np.convolve(np.pad(counts, reach, mode="reflect"), bell, "valid")
+    inner = counts[1:-1]  # reflected at both ends; NumPy's way takes longer than the rest
+    ends = inner[reach - 1 :: -1], inner[: -reach - 1 : -1]
+    return np.convolve(np.concatenate([ends[0], counts, ends[1]]), bell, "valid")
 
 
 def inside_face(pixels: Pixels, box_xy: Float) -> Pixels:

@@ -59,24 +59,37 @@ class Posterior:
         within = np.einsum("k,kmn->mn", self.weights, self.covariances)
         return np.asarray(within + np.einsum("k,km,kn->mn", self.weights, offset, offset))
 
-    def times(self, message: Message, precisions: Float | None = None) -> Posterior:
+    def times(self, message: Message, precisions: _Precisions | None = None) -> Posterior:
         """After one more likelihood: a product of Gaussians, component by component.
 
-        `precisions` are the inverse covariances, where they are known.
+        `precisions` are those of the covariances, where they are known.
         """
-        precisions = np.linalg.inv(self.covariances) if precisions is None else precisions
+        precisions = precisions or _Precisions.of(self.covariances)
         before = _Components(self.weights, self.means, precisions)
         shares, means, covariances = before.times(message.mean[None], message.precision[None])
         return Posterior(shares[0], means[0], covariances[0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class _Precisions:
+    """Inverses (K, M, M) of covariances, and the logarithms (K,) of their determinants."""
+
+    inverses: Float
+    logs: Float
+
+    @classmethod
+    def of(cls, covariances: Float) -> _Precisions:
+        inverses = frozen(np.linalg.inv(covariances))
+        return cls(inverses, frozen(np.linalg.slogdet(inverses)[1]))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class _Components:
-    """A Gaussian mixture by the inverse covariances of its components, (K, M, M)."""
+    """A Gaussian mixture by the precisions of its components."""
 
     weights: Float
     means: Float
-    precisions: Float
+    precisions: _Precisions
 
     def times(self, means: Float, precisions: Float) -> tuple[Float, Float, Float]:
         """Weights (C, K), means and covariances after each of C likelihoods, each (C, M).
@@ -84,15 +97,16 @@ class _Components:
         A message's own offset and determinant follow from the inverse that the product needs
         (Woodbury), so that each component is inverted once.
         """
-        after = self.precisions + diagonal(precisions)[:, None]
+        own = self.precisions.inverses
+        after = own + diagonal(precisions)[:, None]
         covariances = np.linalg.inv(after)
-        pull = (self.precisions @ self.means[..., None])[..., 0] + (precisions * means)[:, None]
+        pull = (own @ self.means[..., None])[..., 0] + (precisions * means)[:, None]
         centers = (covariances @ pull[..., None])[..., 0]
         offset = self.means - means[:, None]
         pulled = precisions[:, None] * offset
         known = (covariances @ pulled[..., None])[..., 0]
         fit = ((offset - known) * pulled).sum(axis=-1)
-        volume = np.linalg.slogdet(after)[1] - np.linalg.slogdet(self.precisions)[1]
+        volume = np.linalg.slogdet(after)[1] - self.precisions.logs
         with np.errstate(divide="ignore"):
             logs = np.log(self.weights) - 0.5 * (fit + volume)
         shares = np.exp(logs - logs.max(axis=1, keepdims=True))
@@ -202,8 +216,8 @@ class FamilyPrior:
 
 
 @lru_cache(maxsize=4)  # a photo's cues ask some thirty times what each leaves of its prior
-def _precisions(prior: FamilyPrior) -> Float:
-    return frozen(np.linalg.inv(prior.covariances))
+def _precisions(prior: FamilyPrior) -> _Precisions:
+    return _Precisions.of(prior.covariances)
 
 
 def prior_of(arrays: Mapping[str, Float]) -> FamilyPrior:

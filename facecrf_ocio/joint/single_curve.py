@@ -186,8 +186,10 @@ def _about_a_curve(luma: Float, color: Float) -> Float:
     low, high = luma.min(), luma.max()
     place = np.clip((luma - low) / max(high - low, 1.0), 0.0, 1.0) * _SEGMENTS
     segment = np.minimum(place.astype(np.intp), _SEGMENTS - 1)
-    inside = np.broadcast_to(place - segment, (6, place.size))
-    powers = np.concatenate([np.ones((1, place.size)), np.multiply.accumulate(inside)])
+    inside = place - segment
+    powers = np.ones((7, place.size))
+    for power in range(1, 7):
+        np.multiply(powers[power - 1], inside, out=powers[power])
     sums = np.array([np.bincount(segment, power, _SEGMENTS) for power in powers])
     squares = _CUBIC @ sums.T[:, np.add.outer(np.arange(4), np.arange(4))] @ _CUBIC.T
     normal = _RIDGE * np.eye(_SEGMENTS + 3)

@@ -126,7 +126,7 @@ def face_statistics(view: FaceView, settings: FaceSettings) -> Statistics | None
     if int(mask.skin.sum()) < MIN_SKIN_PIXELS:
         return None
     skin = np.asarray(view.encoded[mask.skin], dtype=np.float64)
-    skin = skin[np.argsort(skin.mean(axis=1), kind="stable")]
+    skin = skin.take(np.argsort(_brightness(skin), kind="stable"), axis=0)
     found = {
         "shading": _shading(skin),
         "highlights": _highlights(view.encoded[view.geometry.bare_skin].astype(np.float64)),
@@ -136,6 +136,12 @@ def face_statistics(view: FaceView, settings: FaceSettings) -> Statistics | None
     if eyes is not None:
         found["eyes"] = eyes
     return Statistics(found, frozen(skin[:: max(1, len(skin) // 512)]), mask.skin)
+
+
+def _brightness(colors: Float) -> Float:
+    """(N,) mean of the channels of (N, 3): NumPy takes ten times as long along rows of three."""
+    red, green, blue = colors.T
+    return np.asarray((red + green + blue) / 3.0)
 
 
 def _shading(skin: Float) -> Float:
@@ -152,7 +158,7 @@ def _shading(skin: Float) -> Float:
 
 def _highlights(bare: Float) -> Float:
     """Color of the brightest bare skin, where reflected light is added to the skin's own."""
-    luma = bare.mean(axis=1)
+    luma = _brightness(bare)
     limits = np.quantile(luma, HIGHLIGHT_QUANTILES)
     means = np.array([bare[luma >= limit].mean(axis=0) for limit in limits])
     middle = bare[luma >= np.quantile(luma, 0.4)].mean(axis=0)
@@ -219,9 +225,10 @@ def _eyes(view: FaceView, skin: Float) -> Float | None:
     inside = view.encoded[mask > 0].astype(np.float64)
     if len(inside) < _MIN_EYE_PIXELS:
         return None
-    quantiles = np.quantile(inside.mean(axis=1), EYE_QUANTILES)
-    bright = inside[inside.mean(axis=1) >= quantiles[-2]].mean(axis=0)
-    middle = np.quantile(skin.mean(axis=1), (0.1, 0.5, 0.9))
+    luma = _brightness(inside)
+    quantiles = np.quantile(luma, EYE_QUANTILES)
+    bright = inside[luma >= quantiles[-2]].mean(axis=0)
+    middle = np.quantile(_brightness(skin), (0.1, 0.5, 0.9))
     return np.array([*quantiles, *bright, *middle])
 
 

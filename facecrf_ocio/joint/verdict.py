@@ -96,9 +96,15 @@ def _rising_draws(posterior: Posterior, prior: FamilyPrior, band_scale: float) -
 
 
 def _samples(prior: FamilyPrior, drawn: Float, where: slice | Index) -> Float:
-    # In parts that BLAS multiplies in one thread: others would wait for more to do, and spin.
-    parts = np.array_split(drawn, _PARTS)
-    return np.concatenate([prior.samples(part, where) for part in parts])
+    """(N, K) curves of coefficients (N, M), at some samples, as `FamilyPrior.samples` gives them.
+
+    In parts that BLAS multiplies in one thread: others would wait for more to do, and spin.
+    """
+    basis = prior.basis[:, where]  # once: an index copies it
+    roots = np.concatenate([part @ basis for part in np.array_split(drawn, _PARTS)])
+    roots += prior.mean[where]
+    np.maximum(roots, 0.0, out=roots)
+    return np.asarray(np.square(roots, out=roots))
 
 
 def deviations(posterior: Posterior, prior: FamilyPrior, band_scale: float) -> Float:
