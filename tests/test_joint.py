@@ -20,6 +20,7 @@ from facecrf_ocio import (
     gather,
     misfit,
 )
+from facecrf_ocio.cameras.known_cameras import shipped_cameras
 from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
 from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.face.view import cut_face
@@ -210,8 +211,14 @@ def test_closed_eyes_say_nothing():
     assert "eyes" not in closed.by_cue
 
 
+def test_a_silent_file_leaves_all_three_families_alike():
+    prior = shipped_joint().prior
+    families = prior.family.astype(int)
+    weights = prior.weights_for("auto", modern_leaning(Camera()), phone_leaning(Camera()))
+    assert np.bincount(families, weights) == pytest.approx(np.full(3, 1 / 3))
+
+
 def test_what_the_file_says_of_its_camera_leans():
-    assert modern_leaning(Camera()) == 0.0
     assert modern_leaning(Camera(make="NIKON", model="D90")) > 0.0
     assert modern_leaning(Camera(make="Noritsu Koki", model="QSS-31")) < 0.0
     assert modern_leaning(Camera("FUJI PHOTO FILM CO., LTD.", "SP-3000")) < 0.0
@@ -225,7 +232,7 @@ def test_what_the_file_says_of_its_camera_leans():
 )
 def test_a_recent_profile_leans_as_a_named_camera_does(name, modern):
     primaries = Primaries(name, *KNOWN_PRIMARIES[name], "ICC profile")
-    assert (modern_leaning(Camera(), primaries) > 0.0) is modern
+    assert (modern_leaning(Camera(), primaries) > modern_leaning(Camera())) is modern
     assert modern_leaning(Camera(model="CoolScan V"), primaries) < 0.0
 
 
@@ -245,6 +252,44 @@ def test_the_verdict_is_of_the_expected_error_alone_whatever_srgb_is(evidence):
     assert (told.verdict is Verdict.RELIABLE) == reliable
     assert told.differs_from_srgb == (told.nearer_than_srgb >= 0.95)
     assert told.reasons == ()
+
+
+@pytest.mark.parametrize(
+    ("codes", "doubt"),
+    [
+        ((16, 140), ()),
+        ((140, 200), ()),
+        ((70, 250), ()),
+        ((20, 60), ("the face is dark: 100 % of it below code 64",)),
+        ((20, 80), ("the face is dark: 73 % of it below code 64",)),
+        ((230, 255), ("the face is bright: 71 % of it above code 235",)),
+    ],
+)
+def test_a_face_outside_the_midtones_is_never_reliable(evidence, codes, doubt):
+    first, last = (code // 4 for code in codes)
+    coverage = np.zeros((3, 64))
+    coverage[:, first : last + (last == 63)] = 1.0
+    told = conclude([replace(evidence[0], coverage=coverage)]).confidence
+    assert told.doubts == doubt
+    assert not doubt or told.verdict is not Verdict.RELIABLE
+
+
+def test_one_face_in_the_midtones_is_enough(evidence):
+    dark = np.zeros((3, 64))
+    dark[:, 5] = 1.0
+    both = [replace(evidence[0], coverage=dark), evidence[1]]
+    assert conclude(both[:1]).confidence.doubts != ()
+    assert conclude(both).confidence.doubts == ()
+
+
+def test_a_dark_face_is_no_doubt_of_a_camera_that_was_measured(evidence):
+    dark = np.zeros((3, 64))
+    dark[:, 5] = 1.0
+    told = replace(evidence[0], coverage=dark, camera=("Canon", "Canon EOS 5D"))
+    stranger = replace(told, camera=("Acme", "One"))
+    measured, other = (conclude([one], cameras=shipped_cameras()) for one in (told, stranger))
+    assert not any("dark" in doubt for doubt in measured.confidence.doubts)
+    assert any("dark" in doubt for doubt in other.confidence.doubts)
 
 
 def test_more_evidence_leaves_less_error_to_expect(evidence):

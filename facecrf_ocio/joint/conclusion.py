@@ -21,8 +21,9 @@ from facecrf_ocio.joint.known_response import (
     share_beside,
 )
 from facecrf_ocio.joint.messages import COMBINED
+from facecrf_ocio.joint.metadata import UNTOLD
 from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior
-from facecrf_ocio.joint.verdict import deviations, doubted, judge, not_single
+from facecrf_ocio.joint.verdict import deviations, doubted, judge, not_single, out_of_midtones
 from facecrf_ocio.response.coverage import coverage_at
 from facecrf_ocio.response.expected_stops import verdict_of
 from facecrf_ocio.response.model import inverse_crf, strictly_increasing
@@ -92,7 +93,7 @@ def conclude(
         raise ValueError("photos to conclude from are as many as their names, no two alike")
     named = {name: e for name, e in zip(names, evidence, strict=True) if e.messages}
     telling = list(named.values())
-    leanings = [(e.leaning, e.phone) for e in telling or evidence] or [(0.0, 0.0)]
+    leanings = [(e.leaning, e.phone) for e in telling or evidence] or [(UNTOLD, 0.0)]
     weights = model.prior.weights_for(prior, *np.mean(leanings, axis=0).tolist())
     known = known_responses((one.camera for one in telling), model.prior, cameras)
     posterior, dissent = _fused(named, model.prior, weights, known, correlation)
@@ -101,6 +102,8 @@ def conclude(
     found = inverse_crf(model.prior.grid, alike)
     confidence = _confidence(telling, posterior, found, model, dissent)
     confidence = doubted(_with_cameras(confidence, telling, known, dissent), _doubts_of(named))
+    if telling and not known:
+        confidence = doubted(confidence, out_of_midtones([e.coverage for e in telling]))
     if not shared:
         agreed = {one: what for one, what in known.items() if _measured(what) not in dissent}
         found = in_channels(found, agreed, (one.camera for one in telling), model.prior)

@@ -21,7 +21,7 @@ from facecrf_ocio.face.view import cut_face
 from facecrf_ocio.files.threads import OtherThread
 from facecrf_ocio.joint.few_levels import few_levels
 from facecrf_ocio.joint.messages import Networks, shipped_networks
-from facecrf_ocio.joint.metadata import modern_leaning, phone_leaning
+from facecrf_ocio.joint.metadata import UNTOLD, modern_leaning, phone_leaning
 from facecrf_ocio.joint.prior import Message
 from facecrf_ocio.joint.single_curve import no_photograph, strange_skin, toned
 from facecrf_ocio.joint.statistics import (
@@ -67,7 +67,7 @@ class PhotoEvidence:
 
     messages: Mapping[str, Message]
     coverage: Float
-    leaning: float = 0.0
+    leaning: float = UNTOLD
     phone: float = 0.0
     lacking: str = ""
     remedy: str = ""
