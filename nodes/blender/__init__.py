@@ -23,6 +23,8 @@ from .preferences import FacecrfPreferences
 from .trees import is_ours
 
 _READ = ("FILE", "GENERATED")
+_LINE_LENGTH = 40  # characters, which the sidebar holds as wide as it opens
+_LINE_HEIGHT = 0.75  # of a button's: lines of one text stand together
 _MENUS = {
     "NODE_MT_compositor_node_add_all": COMPOSITOR,
     "NODE_MT_shader_node_add_all": SHADER,
@@ -52,9 +54,11 @@ class FACECRF_PT_panel(bpy.types.Panel):
         node = context.active_node
         if is_ours(node):
             box = self.layout.box()
-            box.label(text=f"{node.node_tree[VERDICT]} curve")
-            for line in textwrap.wrap(node.node_tree[REASON], 40):
-                box.label(text=line)
+            said = box.column(align=True)
+            said.scale_y = _LINE_HEIGHT
+            said.label(text=f"{node.node_tree[VERDICT]} curve")
+            for line in textwrap.wrap(node.node_tree[REASON], _LINE_LENGTH):
+                said.label(text=line)
             row = box.operator("facecrf.calibrate_node")
             row.node, row.tree = node.name, kind
 
