@@ -93,7 +93,7 @@ def test_an_ordinary_photo_is_one(quality: int) -> None:
     assert toned(picture, DEFAULTS) == ""
     assert chroma_share(picture) > 1.5 * DEFAULTS.sure_chroma
     codes = middle_codes(picture)
-    assert distinct_colors(codes) > 5 * DEFAULTS.fewest_colors
+    assert len(distinct_colors(codes)) > 5 * DEFAULTS.fewest_colors
     assert flat_share(codes) < DEFAULTS.most_flat / 1.5
 
 
@@ -117,6 +117,24 @@ def test_a_drawn_face() -> None:
     unfit = no_photograph(picture, FACE, DEFAULTS)
     assert unfit is not None
     assert "drawn" in unfit.reason
+
+
+@pytest.mark.parametrize("quality", [80, 90])
+@pytest.mark.parametrize("darker", [8, 24, 32])
+def test_a_dark_photo_is_neither_a_palette_nor_drawn(darker: int, quality: int) -> None:
+    """It has few colors and little noise, but its colors are next to each other."""
+    dark = stored(grace_hopper() / np.float32(darker), quality)
+    assert no_photograph(dark, FACE, DEFAULTS) is None
+
+
+@pytest.mark.parametrize("colors", [8, 64, 256])
+@pytest.mark.parametrize("darker", [1, 4])
+def test_a_palette_is_one_in_the_dark_too(colors: int, darker: int) -> None:
+    codes = np.rint(255 * grace_hopper() / darker).astype(np.uint8)
+    picture = Image.fromarray(codes).quantize(colors).convert("RGB")
+    unfit = no_photograph(np.asarray(picture), FACE, DEFAULTS)
+    assert unfit is not None
+    assert "palette" in unfit.reason
 
 
 def test_skin_that_is_more_blue_than_red_is_told() -> None:

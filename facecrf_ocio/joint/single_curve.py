@@ -35,6 +35,11 @@ _EVERY = 4  # [px] a sixteenth of a face's pixels has the same median
 _LEAST_RED = 0.85  # of blue, in codes, which 4 of 549 ordinary photos have not
 _LEAST_RED_OF_GREEN = 0.9  # in codes; of 1170 versions of 30 ordinary photos 1.04 is the least
 _CLIPPED = (4, 251)  # [code of 255] beyond these, noise and color are cut off
+# Share of colors with another beside them: at most 0.48 of 576 palettes of 8 to 256 colors, made of
+# 16 pictures in three ways, and 1.0 of photos so dark that they have few.
+_MOST_DENSE = 0.75
+_BRIGHTEST = 0.98  # quantile: beside what shines
+_DARK = 64  # [code] A face darker than this is doubted anyway, and its noise may be below one code.
 _FEWEST_PIXELS = 1024  # as many as 32 by 32, of which a share is certain to 2 %
 
 
@@ -54,7 +59,8 @@ def no_photograph(pixels: Pixels, box_xy: Float, settings: JointSettings) -> Lac
         return Lacking("the picture has the few colors of a palette", ORIGINAL)
     left, top = (max(int(edge), 0) for edge in box_xy[:2])
     right, bottom = (int(edge) for edge in box_xy[:2] + box_xy[2:])
-    if flat_share(middle_codes(pixels[top:bottom, left:right])) > settings.most_flat:
+    face = middle_codes(pixels[top:bottom, left:right])
+    if flat_share(face) > settings.most_flat and np.quantile(face, _BRIGHTEST) >= _DARK:
         return Lacking("the face is drawn: most of its pixels equal their neighbors", ORIGINAL)
     return None
 
@@ -116,16 +122,30 @@ def middle_codes(pixels: Pixels) -> npt.NDArray[np.uint8]:
 
 
 def has_few_colors(codes: npt.NDArray[np.uint8], fewest: int) -> bool:
-    """Whether there are fewer colors; of a photograph, few of its pixels have as many already."""
+    """Whether there are fewer colors, and apart: those of a photo, if dark, are next to each other.
+
+    Of a photograph, few of its pixels have as many already.
+    """
     some = codes[::_APART, ::_APART]
-    return np.unique(_packed(some)).size < fewest and distinct_colors(codes) < fewest
+    if np.unique(_packed(some)).size >= fewest:
+        return False
+    colors = distinct_colors(codes)
+    return len(colors) < fewest and not are_dense(colors)
 
 
-def distinct_colors(codes: npt.NDArray[np.uint8]) -> int:
-    """Number of colors, by a mark for each that there can be: sorting the pixels takes longer."""
+def distinct_colors(codes: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """(N, 3) colors, by a mark for each that there can be: sorting the pixels takes longer."""
     seen = np.zeros(1 << 24, np.bool_)
     seen[_packed(codes) & np.uint32((1 << 24) - 1)] = True
-    return int(np.count_nonzero(seen))
+    packed = np.flatnonzero(seen).astype("<u4")
+    return packed.view(np.uint8).reshape(-1, 4)[:, :3]
+
+
+def are_dense(colors: npt.NDArray[np.uint8]) -> bool:
+    """Whether most of a few colors (N, 3) have another within a code in each channel."""
+    levels = colors.astype(np.int16)
+    near = np.abs(levels[:, None] - levels[None]).max(axis=2) <= 1
+    return bool((near.sum(axis=1) > 1).mean() > _MOST_DENSE)
 
 
 def flat_share(codes: npt.NDArray[np.uint8]) -> float:
