@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 from facecrf_ocio.archive.manifest.database import DONE, Manifest
 from facecrf_ocio.archive.manifest.twin_rows import twins_of
 from facecrf_ocio.archive.task import FAILED, WRITE, Result, Task
 from facecrf_ocio.errors import LutError, OutputError
-from facecrf_ocio.files.content import sha256_of
+from facecrf_ocio.files.content import sha256_of, sha256_or_unreadable
 from facecrf_ocio.record.output_names import RECORD, output_name
 from facecrf_ocio.values import Estimate
 
@@ -30,7 +29,7 @@ def from_twin(
         told = twin.result
         if told.outcome == FAILED and not twin.key:
             continue
-        own = own or _hash(task.source)
+        own = own or sha256_or_unreadable(task.source)
         if told.sha256 != own:
             continue
         if twin.key:
@@ -46,13 +45,6 @@ def from_twin(
         if estimate is not None:
             return replace(task, step=WRITE, sha256=own, estimate=estimate), None
     return None
-
-
-def _hash(path: Path) -> str:
-    try:
-        return sha256_of(path)
-    except OutputError:  # whoever works on it will tell
-        return "unreadable"
 
 
 def _estimate_of(manifest: Manifest, task: Task, name: str) -> Estimate | None:

@@ -10,8 +10,7 @@ from pathlib import Path
 from facecrf_ocio.archive.manifest.database import CLAIMED, STARTED, Known, Manifest, Stamp
 from facecrf_ocio.archive.place import Place
 from facecrf_ocio.archive.task import Output
-from facecrf_ocio.errors import OutputError
-from facecrf_ocio.files.content import sha256_of
+from facecrf_ocio.files.content import sha256_or_unreadable
 
 _TOGETHER = 500
 """Rows that only get another time are recorded so many at once: each alone would be flushed."""
@@ -37,7 +36,11 @@ class Unchanged:
         return True
 
     def _has_bytes(self, path: Path, known: Known) -> bool:
-        return known.state != STARTED and known.sha256 != "" and known.sha256 == _hash(path)
+        return (
+            known.state != STARTED
+            and known.sha256 != ""
+            and known.sha256 == sha256_or_unreadable(path)
+        )
 
     def are_outputs(self, photo: str) -> bool:
         """Whether all that was made of a photo is there, as it was written.
@@ -58,7 +61,7 @@ class Unchanged:
             return False
         if status.st_mtime_ns == output.written_ns:
             return True
-        if output.written_ns and _hash(path) != output.sha256:
+        if output.written_ns and sha256_or_unreadable(path) != output.sha256:
             return False
         now = replace(output, written_ns=status.st_mtime_ns)
         self._touch(lambda: self.manifest.touch_output(now))
@@ -75,10 +78,3 @@ class Unchanged:
             for record in self._touched:
                 record()
         self._touched.clear()
-
-
-def _hash(path: Path) -> str:
-    try:
-        return sha256_of(path)
-    except OutputError:  # whoever works on it will tell
-        return "unreadable"

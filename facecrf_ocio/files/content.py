@@ -30,6 +30,14 @@ def sha256_of(path: Path) -> str:
     return digest.hexdigest()
 
 
+def sha256_or_unreadable(path: Path) -> str:
+    """Hash of a file's bytes; else `unreadable`, which none is: whoever works on it will tell."""
+    try:
+        return sha256_of(path)
+    except OutputError:
+        return "unreadable"
+
+
 def fingerprint_of(path: Path) -> str:
     """Hash of a file's size, first and last bytes: files of one content have the same.
 

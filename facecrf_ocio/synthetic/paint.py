@@ -8,30 +8,16 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from facecrf_ocio.face.regions import LEFT_BROW, LEFT_EYE, LIPS, RIGHT_BROW, RIGHT_EYE
 from facecrf_ocio.synthetic.skin_layers import TEXTURE_SIZE, to_texture
 from facecrf_ocio.synthetic.spec import Color, Image, rgb
 from facecrf_ocio.values import Float
 
-# Vertices of MediaPipe's face mesh along each feature, the person's right side first.
-EYES = (
-    (33, 7, 163, 144, 145, 153, 154, 155, 133, 173, 157, 158, 159, 160, 161, 246),
-    (263, 249, 390, 373, 374, 380, 381, 382, 362, 398, 384, 385, 386, 387, 388, 466),
-)
-# Vertices of the face mesh.
-UPPER_LIDS = (
-    (33, 246, 161, 160, 159, 158, 157, 173, 133),
-    (263, 466, 388, 387, 386, 385, 384, 398, 362),
-)
-# Vertices of the face mesh.
-BROWS = (
-    (70, 63, 105, 66, 107, 55, 65, 52, 53, 46),
-    (300, 293, 334, 296, 336, 285, 295, 282, 283, 276),
-)
-# Upper lip's outline then the lower's, corner to corner, outside and inside.
-LIPS_OUTER = (
-    *(61, 185, 40, 39, 37, 0, 267, 269, 270, 409, 291),
-    *(375, 321, 405, 314, 17, 84, 181, 91, 146),
-)
+# Vertices of the face mesh along each feature, the person's right side first.
+EYES = tuple((eye[0], *reversed(eye[1:])) for eye in (RIGHT_EYE, LEFT_EYE))
+UPPER_LIDS = (RIGHT_EYE[:9], LEFT_EYE[:9])  # from corner to corner
+BROWS = (RIGHT_BROW, LEFT_BROW)
+# Upper lip's outline then the lower's, corner to corner, inside.
 LIPS_INNER = (78, 191, 80, 81, 82, 13, 312, 311, 310, 415, 308)  # vertices of the face mesh
 NOSTRILS = ((60, 20, 242, 99), (290, 250, 462, 328))  # vertices of the face mesh
 
@@ -79,7 +65,7 @@ def paint_features(rng: np.random.Generator, uv: Float, hair: Color) -> FeatureP
     for nostril in NOSTRILS:
         _paint_nostril(canvas, points[list(nostril)])
     _paint_mouth(canvas, points[list(LIPS_INNER)])
-    lips = _blur(canvas.polygon(points[list(LIPS_OUTER)]), 3.0)
+    lips = _blur(canvas.polygon(points[list(LIPS)]), 3.0)
     return FeaturePaint(canvas.color, canvas.cover, lips)
 
 
