@@ -32,6 +32,29 @@ class EdgeBlends:
     patch: Index
 
 
+class SampledBlends:
+    """Edge colors of one photo as curves of K samples give them in linear light.
+
+    Attributes
+    ----------
+    patch
+        (T,) as in `EdgeBlends`.
+    regions, blends
+        What makes of curves (3, K) the linear colors of `EdgeBlends`, and of gradients by these
+        those by the samples.
+    """
+
+    def __init__(self, edge_blends: EdgeBlends, size: int) -> None:
+        self.patch = edge_blends.patch
+        self.regions = Sampling.at(edge_blends.regions, size)
+        self.blends = Sampling.at(edge_blends.blends, size)
+        self._starts = np.searchsorted(self.patch, np.arange(edge_blends.regions.shape[1]))
+
+    def sum_of_patches(self, of_pixels: Float, axis: int = 1) -> Float:
+        """Sums over each patch: the axis of T edge pixels becomes one of P patches."""
+        return np.asarray(np.add.reduceat(of_pixels, self._starts, axis=axis))
+
+
 class ColorBlend:
     """D(g; Omega): distances of linear edge colors from the line through both region colors.
 
@@ -49,17 +72,15 @@ class ColorBlend:
     """
 
     def __init__(self, edge_blends: EdgeBlends, size: int, *, softness: float = 1e-3) -> None:
-        self._patch = edge_blends.patch
-        self._regions = Sampling.at(edge_blends.regions, size)
-        self._blends = Sampling.at(edge_blends.blends, size)
-        self._starts = first_of_each_patch(edge_blends)
+        self._edges = SampledBlends(edge_blends, size)
         self._softness = softness
 
     def value_and_gradient(self, samples: Float) -> tuple[float, Float]:
         """D of the three curves and its gradient by their samples; see `Term`."""
-        regions = self._regions.values(samples)[:, self._patch]
+        edges = self._edges
+        regions = edges.regions.values(samples)[:, edges.patch]
         along = regions[:, :, 1] - regions[:, :, 0]
-        across = self._blends.values(samples) - regions[:, :, 0]
+        across = edges.blends.values(samples) - regions[:, :, 0]
         normal = _cross(along, across)
         length_squared = np.maximum((along**2).sum(axis=0), MIN_LENGTH_SQUARED)
         squared = (normal**2).sum(axis=0) / length_squared
@@ -68,14 +89,9 @@ class ColorBlend:
         by_along = (_cross(across, normal) - squared * along) * scale
         by_across = _cross(normal, along) * scale
         by_ends = np.stack([-by_along - by_across, by_along], axis=2)
-        by_regions = np.add.reduceat(by_ends, self._starts, axis=1)
-        gradient = self._regions.gradient(by_regions) + self._blends.gradient(by_across)
+        by_regions = edges.sum_of_patches(by_ends)
+        gradient = edges.regions.gradient(by_regions) + edges.blends.gradient(by_across)
         return float((distance - self._softness).sum()), gradient
-
-
-def first_of_each_patch(edge_blends: EdgeBlends) -> Index:
-    """Index (P,) of the first edge pixel of each patch."""
-    return np.searchsorted(edge_blends.patch, np.arange(edge_blends.regions.shape[1]))
 
 
 def _cross(a: Float, b: Float) -> Float:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from facecrf_ocio.published.energy.color_blend import EdgeBlends, first_of_each_patch
-from facecrf_ocio.published.energy.sampling import Sampling
+from facecrf_ocio.published.energy.color_blend import EdgeBlends, SampledBlends
 from facecrf_ocio.values import Float
 
 
@@ -34,10 +33,7 @@ class BlendRank:
     def __init__(
         self, edge_blends: EdgeBlends, size: int, *, softness: float = 1.0 / 255.0
     ) -> None:
-        self._patch = edge_blends.patch
-        self._regions = Sampling.at(edge_blends.regions, size)
-        self._blends = Sampling.at(edge_blends.blends, size)
-        self._starts = first_of_each_patch(edge_blends)
+        self._edges = SampledBlends(edge_blends, size)
         self._softness = softness
 
     def condition_numbers(self, samples: Float) -> Float:
@@ -47,6 +43,7 @@ class BlendRank:
 
     def value_and_gradient(self, samples: Float) -> tuple[float, Float]:
         """Sum of the condition numbers and its gradient by the curves' samples; see `Term`."""
+        edges = self._edges
         columns, across = self._columns(samples)
         first, second, vectors = self._singular(columns, across)
         ratio = second / first
@@ -54,23 +51,23 @@ class BlendRank:
         weights = np.stack([-ratio / first**2, 1.0 / (first * second)], axis=1)
         leading = vectors[:, :, [2, 1]]
         operator = (leading * weights[:, None, :]) @ leading.transpose(0, 2, 1)
-        by_columns = np.einsum("tij,jt->it", operator[self._patch], columns)
+        by_columns = np.einsum("tij,jt->it", operator[edges.patch], columns)
         by_across = np.einsum("pij,jp->ip", operator, across)
-        by_first = -by_across - np.add.reduceat(by_columns, self._starts, axis=1)
+        by_first = -by_across - edges.sum_of_patches(by_columns)
         by_regions = np.stack([by_first, by_across], axis=2)
-        gradient = self._regions.gradient(by_regions) + self._blends.gradient(by_columns)
+        gradient = edges.regions.gradient(by_regions) + edges.blends.gradient(by_columns)
         return float(ratio.sum()), gradient
 
     def _columns(self, samples: Float) -> tuple[Float, Float]:
         """Columns of all patches: `g(Mp) - g(M1)` (3, T) and `g(M2) - g(M1)` (3, P)."""
-        regions = self._regions.values(samples)
-        columns = self._blends.values(samples) - regions[:, self._patch, 0]
+        regions = self._edges.regions.values(samples)
+        columns = self._edges.blends.values(samples) - regions[:, self._edges.patch, 0]
         return columns, regions[:, :, 1] - regions[:, :, 0]
 
     def _singular(self, columns: Float, across: Float) -> tuple[Float, Float, Float]:
         """First two singular values (P,), rounded at 0, and left vectors (P, 3, 3) ascending."""
         products = columns[:, None] * columns[None]
-        gram = np.add.reduceat(products, self._starts, axis=2) + across[:, None] * across[None]
+        gram = self._edges.sum_of_patches(products, axis=2) + across[:, None] * across[None]
         squares, vectors = np.linalg.eigh(gram.transpose(2, 0, 1))
         rounded = np.sqrt(np.maximum(squares[:, 1:], 0.0) + self._softness**2)
         return rounded[:, 1], rounded[:, 0], vectors
