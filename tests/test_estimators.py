@@ -13,8 +13,8 @@ import pytest
 from click.testing import CliRunner
 
 from facecrf_ocio import Photo, Settings, calibrate
+from facecrf_ocio.cli.choices import Choices
 from facecrf_ocio.cli.facecrf import main
-from facecrf_ocio.cli.options import Choices
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.estimators import (
     ESTIMATOR_NAMES,

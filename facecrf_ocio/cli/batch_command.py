@@ -14,9 +14,9 @@ import click
 
 from facecrf_ocio.archive.walk import Passed, photos_under
 from facecrf_ocio.cli.batch_progress import Progress, kind_of
+from facecrf_ocio.cli.choices import Choices
 from facecrf_ocio.cli.options import (
     TEXT_PATH,
-    Choices,
     direction_options,
     estimation_options,
     exposure_option,

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from facecrf_ocio.cli.choices import Choices
 from facecrf_ocio.cli.live import status
-from facecrf_ocio.cli.options import TEXT_PATH, Choices, direction_options, estimation_options
+from facecrf_ocio.cli.options import TEXT_PATH, direction_options, estimation_options
 from facecrf_ocio.cli.output_files import formats_option
 from facecrf_ocio.cli.terminal import (
     USAGE,

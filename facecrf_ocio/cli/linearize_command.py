@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from facecrf_ocio.cli.choices import Choices
 from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import (
     PHOTO_PATH,
-    Choices,
     estimation_options,
     exposure_option,
     exr_options,

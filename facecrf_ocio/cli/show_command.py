@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from facecrf_ocio.cli.choices import Choices
 from facecrf_ocio.cli.live import status
-from facecrf_ocio.cli.options import PHOTO_PATH, TEXT_PATH, Choices, estimation_options
+from facecrf_ocio.cli.options import PHOTO_PATH, TEXT_PATH, estimation_options
 from facecrf_ocio.cli.terminal import ending_well, tell
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.record.output_names import EXR, PAGE, output_path
