@@ -10,7 +10,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813
 from photo_files import write
 
-from facecrf_ocio.archive.manifest.database import FILE
+from facecrf_ocio.archive.manifest.connection import FILE
 from facecrf_ocio.synthetic import SyntheticSpec, encode, gamma_curve, render_face
 
 GAMMA = gamma_curve(2.2)

@@ -15,7 +15,8 @@ from pathlib import Path
 import pytest
 from command_line import CODE, names_in, write_noise
 
-from facecrf_ocio.archive.manifest.database import FILE, Manifest, Stamp
+from facecrf_ocio.archive.manifest.connection import FILE
+from facecrf_ocio.archive.manifest.database import Manifest, Stamp
 from facecrf_ocio.archive.place import Place
 from facecrf_ocio.archive.task import Recipe, Result, Task
 from facecrf_ocio.archive.work.processes import Limits, Workers

@@ -20,7 +20,7 @@ from archive_photos import everything, files
 from command_line import CODE, CommandLine, write_noise
 from workers_here import workers_here  # noqa: F401 - a fixture
 
-from facecrf_ocio.archive.manifest.database import FILE
+from facecrf_ocio.archive.manifest.connection import FILE
 from facecrf_ocio.archive.place import alone
 
 OPTIONS = ("--estimator", "mean", "--formats", "spi1d", "--exr")

@@ -17,7 +17,7 @@ from command_line import CommandLine, write_noise
 from workers_here import WorkersHere, workers_here  # noqa: F401 - a fixture
 
 from facecrf_ocio.archive import place
-from facecrf_ocio.archive.manifest.database import FILE
+from facecrf_ocio.archive.manifest.connection import FILE
 from facecrf_ocio.archive.work import one_photo
 from facecrf_ocio.errors import OutputError, PhotoError
 from facecrf_ocio.photo.read import read_photo

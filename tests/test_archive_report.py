@@ -27,7 +27,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.wait import WebDriverWait
 
 from facecrf_ocio.archive.job import Job
-from facecrf_ocio.archive.manifest.database import FILE
+from facecrf_ocio.archive.manifest.connection import FILE
 from facecrf_ocio.archive.report import write_report
 from facecrf_ocio.archive.report.contents import in_order
 from facecrf_ocio.archive.report.links import relative_url

@@ -19,7 +19,7 @@ from test_archive_batch import archive, files, rows  # noqa: F401 - a fixture
 
 import facecrf_ocio
 from facecrf_ocio import __version__
-from facecrf_ocio.archive.manifest.database import FILE
+from facecrf_ocio.archive.manifest.connection import FILE
 from facecrf_ocio.archive.place import Place
 from facecrf_ocio.archive.task import Recipe, Task
 from facecrf_ocio.archive.work.parcel import Parcel, unpack

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 import facecrf_ocio
-from facecrf_ocio.archive.manifest.database import FILE, Manifest, Stamp
+from facecrf_ocio.archive.manifest.connection import FILE
+from facecrf_ocio.archive.manifest.database import Manifest, Stamp
 from facecrf_ocio.archive.manifest.schema import VERSION
 from facecrf_ocio.archive.task import Output, Result
 from facecrf_ocio.errors import OutputError

@@ -15,7 +15,7 @@ from PIL import Image
 from test_archive_report import change, page_of, smooth_photo
 
 from facecrf_ocio.archive.job import Job
-from facecrf_ocio.archive.manifest.database import FILE
+from facecrf_ocio.archive.manifest.connection import FILE
 from facecrf_ocio.archive.place import Place
 from facecrf_ocio.archive.report import look_again
 from facecrf_ocio.archive.run import run

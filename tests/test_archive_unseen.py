@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from command_line import write_noise
 
-from facecrf_ocio.archive.manifest.database import FILE
+from facecrf_ocio.archive.manifest.connection import FILE
 
 OPTIONS = ("--estimator", "mean", "--formats", "spi1d", "--jobs", "1")
 LINKS = ("gone.jpg", "loop.jpg")

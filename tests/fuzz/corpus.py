@@ -12,7 +12,8 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from photo_files import CURVE, matrix_profile, write
 
-from facecrf_ocio.archive.manifest.database import FILE, Manifest, Stamp
+from facecrf_ocio.archive.manifest.connection import FILE
+from facecrf_ocio.archive.manifest.database import Manifest, Stamp
 from facecrf_ocio.archive.task import Gathered, Output, Result, Shot
 from facecrf_ocio.lut.format_table import FORMATS
 from facecrf_ocio.lut.write import write_lut

@@ -9,7 +9,8 @@ from pathlib import Path
 import corpus
 
 from facecrf_ocio.archive.check_outputs import faults_in
-from facecrf_ocio.archive.manifest.database import FILE, Manifest
+from facecrf_ocio.archive.manifest.connection import FILE
+from facecrf_ocio.archive.manifest.database import Manifest
 from facecrf_ocio.archive.manifest.twin_rows import mark_duplicates, twins_of
 from facecrf_ocio.archive.report.contents import read_archive
 from facecrf_ocio.image.lut_lookup import lut_lookup

@@ -1,32 +1,27 @@
 """The manifest of an archive: what is known of every photo, in SQLite, safe against any end.
 
-`DST/facecrf-manifest.sqlite`, in WAL mode, every transaction flushed to the disk. `schema.py`
-describes its tables. Names are told as they are; how they are kept is `keys.py`'s.
+`schema.py` describes its tables. Names are told as they are; how they are kept is `keys.py`'s.
 """
 
 from __future__ import annotations
 
 import json
-import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
-from facecrf_ocio.archive.manifest.damage import telling, understanding
+from facecrf_ocio.archive.manifest.connection import Connection
+from facecrf_ocio.archive.manifest.damage import understanding
 from facecrf_ocio.archive.manifest.keys import folded, key_of, name_of_key
-from facecrf_ocio.archive.manifest.schema import VERSION, bring_up
 from facecrf_ocio.archive.task import Gathered, Output, Result
 from facecrf_ocio.archive.walk import as_utf8
 from facecrf_ocio.errors import OutputError
 from facecrf_ocio.files.plain_text import plain_text
 
-FILE = "facecrf-manifest.sqlite"
 UNSEEN = -1  # [byte] no size of a file
 CLAIMED = -1
 """Size of an output that is about to be written: the name is taken, the file may be there."""
 STARTED, GATHERED, WRITING, DONE = "started", "gathered", "writing", "done"
+_ANEW = "start the batch again, into a new folder"
 
 
 _COLUMNS = (
@@ -60,43 +55,8 @@ class Known:
     sha256: str = ""
 
 
-class Manifest:
-    """The open manifest; one process at a time writes to it."""
-
-    def __init__(self, folder: Path) -> None:
-        self.path = folder / FILE
-        if self.path.is_symlink():
-            raise OutputError(f"{self.path}: is a link; remove it, or choose another folder")
-        with telling(self.path):
-            self._base = sqlite3.connect(self.path, isolation_level=None, timeout=5)
-        try:
-            with telling(self.path):
-                self._base.execute("PRAGMA journal_mode=WAL")
-                self._base.execute("PRAGMA synchronous=FULL")
-                version = bring_up(self._base)
-            if version > VERSION:
-                raise OutputError(
-                    f"{self.path}: was written by a newer facecrf; update facecrf-ocio"
-                )
-        except BaseException:
-            self._base.close()
-            raise
-
-    def close(self) -> None:
-        """Close it; what was recorded stays."""
-        self._base.close()
-
-    @contextmanager
-    def transaction(self) -> Iterator[None]:
-        """Record all that happens within, or nothing; on the disk when it ends."""
-        with telling(self.path):
-            self._base.execute("BEGIN IMMEDIATE")
-            try:
-                yield
-            except BaseException:
-                self._base.execute("ROLLBACK")
-                raise
-            self._base.execute("COMMIT")
+class Manifest(Connection):
+    """The open manifest: what is recorded of photos and of their outputs, by name."""
 
     def about(self, key: str) -> str | None:
         """Return a fact about the archive."""
@@ -113,17 +73,6 @@ class Manifest:
             known = {*json.loads(self.about("cpu") or "[]"), *processors}
         self.note(f"recipe {recipe_sha256}", recipe)
         self.note("cpu", json.dumps(sorted(known)))
-
-    def rows(self, query: str, *values: object) -> Iterator[tuple[Any, ...]]:
-        """Stream the rows of a query on the tables that `schema.py` describes."""
-        with telling(self.path):
-            for row in self._base.execute(query, values):  # noqa: UP028 - may be left half way
-                yield row
-
-    def change(self, statement: str, *values: object) -> None:
-        """Change the tables, within a transaction."""
-        with telling(self.path):
-            self._base.execute(statement, values)
 
     def known(self, name: str) -> Known | None:
         """Return what is known of a photo."""
@@ -197,7 +146,7 @@ class Manifest:
         )
         row = next(rows, None)
         if row is None:
-            raise OutputError(f"{self.path}: has lost what {as_utf8(name)} says; {_AGAIN}")
+            raise OutputError(f"{self.path}: has lost what {as_utf8(name)} says; {_ANEW}")
         return Gathered(*row)
 
     def written(self, name: str, result: Result) -> None:
@@ -288,6 +237,3 @@ def record_outputs(manifest: Manifest, key: str, outputs: Iterable[Output]) -> N
             *(key_of(item.name), key, item.size, item.sha256, item.written_ns),
             folded(item.name),
         )
-
-
-_AGAIN = "start the batch again with overwrite=True on a new folder"

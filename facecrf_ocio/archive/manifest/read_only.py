@@ -12,8 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from facecrf_ocio.archive.manifest.connection import FILE
 from facecrf_ocio.archive.manifest.damage import telling, understanding
-from facecrf_ocio.archive.manifest.database import CLAIMED, FILE
+from facecrf_ocio.archive.manifest.database import CLAIMED
 from facecrf_ocio.archive.manifest.keys import key_of, name_of_key
 from facecrf_ocio.archive.manifest.schema import VERSION, version_in
 from facecrf_ocio.archive.task import Output
