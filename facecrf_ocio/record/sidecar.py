@@ -16,8 +16,9 @@ from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.files.versions import versions
 from facecrf_ocio.record.estimate_record import estimate_record, read_estimate
 from facecrf_ocio.record.sampled import read_rows, thinned
+from facecrf_ocio.record.source_record import Source, source_in, source_of
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.values import Camera, Estimate, InverseCRF, Photo, Primaries, frozen
+from facecrf_ocio.values import Estimate, InverseCRF, Photo, frozen
 from facecrf_ocio.wording.expectation import expectation
 from facecrf_ocio.wording.sentence import sentence
 
@@ -32,28 +33,6 @@ _DAMAGE = (
     *(RecursionError, TypeError, ValueError),
 )
 _T = TypeVar("_T")
-
-
-@dataclass(frozen=True, slots=True)
-class Source:
-    """The photo a calibration was made from; `name` and `sha256` are None for one in memory.
-
-    `gain_map` names the standard of the map that the file has, if any.
-    """
-
-    name: str | None
-    sha256: str | None
-    width: int
-    height: int
-    bit_depth: int | None
-    scene_linear: bool
-    grayscale: bool
-    camera: Camera
-    primaries: Primaries | None
-    notes: tuple[str, ...] = ()
-    named_curve: str = ""
-    edits: tuple[str, ...] = ()
-    gain_map: str | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,7 +92,7 @@ def sidecar_draft(
         **estimate_record(as_read),
         "summary": sentence(estimate),
         "expected": None if expected is None else expected.record(),
-        "source": asdict(_source(photo)),
+        "source": asdict(source_of(photo)),
         "luts": [lut.name for lut in luts],
         "linear_light": {
             "exposure": "relative: known up to one factor",
@@ -168,7 +147,7 @@ def read_source(path: Path) -> tuple[Source, tuple[str, ...]]:
     LutError
         As `read_sidecar` does.
     """
-    return _read(path, lambda record: (_read_source(record["source"]), _read_luts(record)))
+    return _read(path, lambda record: (source_in(record["source"]), _read_luts(record)))
 
 
 def _read(path: Path, parse: Callable[[Any], _T]) -> _T:
@@ -199,25 +178,6 @@ def _content(path: Path) -> bytes:
     return content
 
 
-def _source(photo: Photo) -> Source:
-    height, width, _ = photo.shape
-    return Source(
-        name=None if photo.path is None else photo.path.name,
-        sha256=photo.sha256,
-        width=width,
-        height=height,
-        bit_depth=photo.bit_depth,
-        scene_linear=photo.scene_linear,
-        grayscale=photo.grayscale,
-        camera=photo.camera,
-        primaries=photo.primaries,
-        notes=photo.notes,
-        named_curve=photo.named_curve,
-        edits=photo.edits,
-        gain_map=None if photo.gain_map is None else photo.gain_map.standard,
-    )
-
-
 def _compare(written: Path, path: Path, estimate: Estimate) -> None:
     curve, found = read_sidecar(written).estimate.found, estimate.found
     same = (curve is None) == (found is None)
@@ -239,30 +199,12 @@ def _require_schema(record: Any, path: Path) -> None:
 
 def _sidecar(record: Any) -> Sidecar:
     return Sidecar(
-        source=_read_source(record["source"]),
+        source=source_in(record["source"]),
         estimate=read_estimate(record),
         settings=dict(record["settings"]),
         versions=dict(record["versions"]),
         luts=_read_luts(record),
     )
-
-
-def _read_source(record: dict[str, Any]) -> Source:
-    primaries = record["primaries"]
-    if primaries is not None:
-        pairs = {name: _pair(primaries[name]) for name in ("red", "green", "blue", "white")}
-        primaries = Primaries(**{**primaries, **pairs})
-    # Records told neither before.
-    texts = {name: tuple(map(str, record.get(name, ()))) for name in ("notes", "edits")}
-    camera = Camera(**record["camera"])
-    return Source(**{**record, "camera": camera, "primaries": primaries, **texts})
-
-
-def _pair(numbers: Any) -> tuple[float, float]:
-    x, y = map(float, numbers)
-    if not np.isfinite([x, y]).all():
-        raise ValueError("its primaries are not finite")
-    return x, y
 
 
 def _read_luts(record: Any) -> tuple[str, ...]:
