@@ -8,17 +8,17 @@ from pathlib import Path
 
 import pytest
 
-from facecrf_ocio.archive.report import html
+from facecrf_ocio.archive.report import page_source
 
 ROOT = Path(__file__).parents[1]
-PAGE = Path(html.__file__).parent / "page"
+PAGE = Path(page_source.__file__).parent / "page"
 PARTS = sorted(PAGE.glob("*.js"))
 
 
 @pytest.fixture
 def script(tmp_path):
     path = tmp_path / "page.js"
-    path.write_text(html.page_script(), encoding="utf-8")
+    path.write_text(page_source.page_script(), encoding="utf-8")
     return path
 
 

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import base64
-import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import datetime
-from html import escape
-from importlib.resources import files
 from itertools import islice
 from pathlib import Path
 from typing import TypeVar
 
 from facecrf_ocio import __version__
 from facecrf_ocio.archive.report.contents import KINDS, Archive, Bracket, Group, Row
+from facecrf_ocio.archive.report.page_source import ARCHIVE_PAGE, around
 from facecrf_ocio.archive.report.pictures import Pictures
 from facecrf_ocio.archive.report.reason_kinds import reason_kinds
 from facecrf_ocio.archive.report.small_curves import (
@@ -30,19 +28,6 @@ from facecrf_ocio.response.stops import NINETY_PERCENT
 
 BLOCK = 50
 """Photos whose pictures stand in one block, which is parsed when one of them is shown."""
-
-# Parts of the one script, in the order in which they stand in it: later ones use earlier ones.
-_PARTS = (
-    *("elements", "curves", "stops", "pictures", "rows", "choice", "columns", "table", "pages"),
-    *("compare", "unsure", "files", "detail", "summary", "sections", "why", "cameras", "brackets"),
-    *("filters", "start"),
-)
-
-ARCHIVE_PAGE = "facecrf: report of an archive"
-"""Title of a report, by which an older one is known."""
-PHOTO_PAGE = "facecrf: one photo"
-"""Title of the page of one photo."""
-_BODIES = {ARCHIVE_PAGE: "page.html", PHOTO_PAGE: "photo.html"}
 
 _Value = TypeVar("_Value")
 
@@ -126,7 +111,7 @@ def render(
         "columns": columns,
         "words": words.texts,
     }
-    head, tail = _around(title)
+    head, tail = around(title)
     yield _utf8(head)
     yield _element("data", data)
     yield _element("curves", curves.texts)
@@ -253,39 +238,6 @@ def _json(value: object) -> str:
     """JSON that cannot end the script element it stands in, whatever a file name holds."""
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
-
-
-def _around(title: str) -> tuple[str, str]:
-    """What stands before a page's data, and what after it."""
-    head, body = _source("head.html"), _source(_BODIES[title])
-    style, script = _source("page.css"), page_script()
-    # Nothing may run or be styled but what is hashed here; nothing may be fetched at all.
-    policy = (
-        f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; "
-        "img-src data:; base-uri 'none'; form-action 'none'; require-trusted-types-for 'script'"
-    )
-    body, _, tail = body.partition("<!-- data -->")
-    head = head.replace("<!-- policy -->", escape(policy, quote=True))
-    head = head.replace("<!-- title -->", title)
-    head = head.replace("/* style */", style)
-    tail = tail.replace("/* script */", script)
-    return head + body, tail
-
-
-def page_script() -> str:
-    """Return the page's one script, put together from its parts, which share its names."""
-    parts = "\n".join(_source(f"{name}.js") for name in _PARTS)
-    return f'"use strict";\n(() => {{\n{parts}}})();\n'
-
-
-def _source(name: str) -> str:
-    place = files("facecrf_ocio.archive.report") / "page" / name
-    return place.read_text(encoding="utf-8")
-
-
-def _hash(text: str) -> str:
-    digest = hashlib.sha256(text.encode()).digest()
-    return f"sha256-{base64.b64encode(digest).decode()}"
 
 
 def _batched(items: Iterable[_Value], size: int) -> Iterable[tuple[_Value, ...]]:

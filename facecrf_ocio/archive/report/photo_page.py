@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from facecrf_ocio.archive.report.contents import KINDS, Archive, Row
-from facecrf_ocio.archive.report.html import PHOTO_PAGE, page_draft, render, this_minute
+from facecrf_ocio.archive.report.html import page_draft, render, this_minute
 from facecrf_ocio.archive.report.links import relative_url, require_page
+from facecrf_ocio.archive.report.page_source import PHOTO_PAGE
 from facecrf_ocio.archive.report.pictures import told, with_images
 from facecrf_ocio.archive.thumbnail import is_linear
 from facecrf_ocio.files.atomic import write_files

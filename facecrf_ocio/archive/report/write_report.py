@@ -12,9 +12,10 @@ from facecrf_ocio.archive.manifest.read_only import Reader, reading
 from facecrf_ocio.archive.manifest.summary_rows import summary_text_in
 from facecrf_ocio.archive.manifest.thumbnail_rows import thumbnail_in
 from facecrf_ocio.archive.report.contents import Archive, Row, read_archive
-from facecrf_ocio.archive.report.html import ARCHIVE_PAGE, page_draft, render, this_minute
+from facecrf_ocio.archive.report.html import page_draft, render, this_minute
 from facecrf_ocio.archive.report.links import relative_url, require_page
 from facecrf_ocio.archive.report.look_again import Kept, pictures_of
+from facecrf_ocio.archive.report.page_source import ARCHIVE_PAGE
 from facecrf_ocio.archive.report.pictures import Pictures
 from facecrf_ocio.files.atomic import write_files
 from facecrf_ocio.files.threads import one_opencv_thread
