@@ -109,8 +109,8 @@ def count_noise(
     windows
         Encoded values, or codes of 8 bits; each begins where a JPEG's block does.
     masks
-        (H, W) pixels to count, by their middle; all if None. Codes, blocks and edges are counted
-        all the same.
+        (H, W) pixels to count, by their middle; all if None. With masks soft edges are counted all
+        the same; codes, blocks and edges, which are asked of whole photos, are not.
     weights
         How often each window counts; once if None.
     """
@@ -191,9 +191,10 @@ class _Sums:
     def count(self, codes: Codes, mask: Bool | None) -> None:
         """Count windows (N, H, W, 3), with masks (N, H, W)."""
         planes = planes_of(codes)
-        for c, plane in enumerate(planes):
-            self.codes[c] += counts_of(plane, _WHITE + 1)
-        self.blocks += _block_sums(planes[_GREEN])
+        if mask is None:
+            for c, plane in enumerate(planes):
+                self.codes[c] += counts_of(plane, _WHITE + 1)
+            self.blocks += _block_sums(planes[_GREEN])
         soft = count_soft_edges(planes)
         self.soft_edges += soft.middles
         self.color_lines += soft.lines
@@ -212,7 +213,7 @@ class _Sums:
         self.histograms[size] += found.histograms(size)
         signs = found.signs()
         self.pairs[size] += found.pairs(signs)
-        if size < _EDGE_SIZES:
+        if size < _EDGE_SIZES and mask is None:
             self.edges[size] += count_edges(channels[_GREEN], white)
         if size == 0:
             self.lags += found.lags(signs)

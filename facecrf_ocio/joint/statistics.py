@@ -268,5 +268,7 @@ def resampled(
     r, c = (
         np.flatnonzero((p >= 0) & (p < n)) for p, n in zip((rows, columns), skin.shape, strict=True)
     )
-    inside[np.ix_(r, c)] = skin[np.ix_(rows[r].astype(np.intp), columns[c].astype(np.intp))]
+    if r.size and c.size:
+        there = skin.take(rows[r].astype(np.intp), axis=0).take(columns[c].astype(np.intp), axis=1)
+        inside[r[0] : r[-1] + 1, c[0] : c[-1] + 1] = there  # what is inside is in one piece
     return inside
