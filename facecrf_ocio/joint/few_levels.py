@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.photo.pixels import Pixels, eight_bit
+from facecrf_ocio.photo.pixels import Pixels, eight_bit, packed
 from facecrf_ocio.settings import JointSettings
 from facecrf_ocio.values import Float, Lacking
 
@@ -42,7 +42,7 @@ def few_levels(pixels: Pixels, box_xy: Float, settings: JointSettings) -> Lackin
     box_xy
         (4,) x, y, width, height [px] of the face.
     """
-    found = roughness(eight_bit(np.ascontiguousarray(inside_face(pixels, box_xy))))
+    found = roughness(eight_bit(packed(inside_face(pixels, box_xy))))
     if found > settings.most_roughness:
         return Lacking(f"the face's {_REASON}", ORIGINAL)
     return f"its {_REASON}" if found > settings.sure_roughness else ""

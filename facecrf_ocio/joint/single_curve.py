@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.joint.few_levels import ORIGINAL, inside_face
-from facecrf_ocio.photo.pixels import Pixels, code_values, eight_bit
+from facecrf_ocio.photo.pixels import Pixels, code_values, eight_bit, packed
 from facecrf_ocio.settings import JointSettings
 from facecrf_ocio.values import Bool, Float, Lacking, Photo
 
@@ -163,7 +163,7 @@ def flat_share(codes: npt.NDArray[np.uint8]) -> float:
 
 def _packed(codes: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint32]:
     """(H, W) one number a color: its bytes, and one more that is alike for all."""
-    wide = np.asarray(cv2.cvtColor(np.ascontiguousarray(codes), cv2.COLOR_RGB2RGBA))
+    wide = np.asarray(cv2.cvtColor(packed(codes), cv2.COLOR_RGB2RGBA))
     return wide.view(np.uint32)[..., 0]
 
 
@@ -178,7 +178,7 @@ def chroma_share(pixels: Pixels) -> float:
     """
     long = max(pixels.shape[:2])
     step = max(1, long // _SAMPLES)
-    part = np.ascontiguousarray(pixels[::step, ::step])
+    part = packed(pixels[::step, ::step])
     codes = 255.0 * np.asarray(code_values(part, 8), np.float64)
     red, green, blue = (np.ascontiguousarray(codes[..., channel]) for channel in range(3))
     usable = np.minimum(np.minimum(red, green), blue) > _CLIPPED[0]
@@ -200,31 +200,33 @@ def chroma_share(pixels: Pixels) -> float:
 def _about_a_curve(luma: Float, color: Float) -> Float:
     """(2, N) what is left of color about a cubic spline over brightness.
 
-    By uniform B-splines, four of which are not 0 in each segment, and sums of powers of the place
-    in it; SciPy's splines take half a second to import.
+    By uniform B-splines, four of which are not 0 in each segment, and products of powers of the
+    place in it, segment after segment; SciPy's splines take half a second to import.
     """
     low, high = luma.min(), luma.max()
     place = np.clip((luma - low) / max(high - low, 1.0), 0.0, 1.0) * _SEGMENTS
-    segment = np.minimum(place.astype(np.intp), _SEGMENTS - 1)
-    inside = place - segment
-    powers = np.ones((7, place.size))
-    for power in range(1, 7):
-        np.multiply(powers[power - 1], inside, out=powers[power])
-    sums = np.array([np.bincount(segment, power, _SEGMENTS) for power in powers])
-    squares = _CUBIC @ sums.T[:, np.add.outer(np.arange(4), np.arange(4))] @ _CUBIC.T
+    segment = np.minimum(place.astype(np.uint8), _SEGMENTS - 1)
+    order = np.argsort(segment, kind="stable")
+    powers = np.ones((4, place.size))
+    np.subtract(place, segment, out=place)
+    place.take(order, out=powers[1])
+    np.multiply(powers[1], powers[1], out=powers[2])
+    np.multiply(powers[2], powers[1], out=powers[3])
+    sorted_color = color.take(order, axis=1)
+    ends = np.cumsum(np.bincount(segment, minlength=_SEGMENTS)).tolist()
+    spans = [slice(start, end) for start, end in zip([0, *ends], ends, strict=False)]
     normal = _RIDGE * np.eye(_SEGMENTS + 3)
     right = np.zeros((_SEGMENTS + 3, 2))
-    for channel, values in enumerate(color):
-        pulls = np.array([np.bincount(segment, power * values, _SEGMENTS) for power in powers[:4]])
-        for k, pull in enumerate((_CUBIC @ pulls).T):
-            right[k : k + 4, channel] += pull
-    for k, square in enumerate(squares):
-        normal[k : k + 4, k : k + 4] += square
+    for k, span in enumerate(spans):
+        cubics = _CUBIC @ powers[:, span]
+        normal[k : k + 4, k : k + 4] += cubics @ cubics.T
+        right[k : k + 4] += cubics @ sorted_color[:, span].T
     found = np.linalg.solve(normal, right)
-    cubics = np.array([_CUBIC.T @ found[k : k + 4] for k in range(_SEGMENTS)])
-    of_power = np.ascontiguousarray(cubics.transpose(2, 1, 0))
-    curve = [sum(p * f[segment] for p, f in zip(powers[:4], of, strict=True)) for of in of_power]
-    return np.asarray(color - curve)
+    for k, span in enumerate(spans):
+        sorted_color[:, span] -= (found[k : k + 4].T @ _CUBIC) @ powers[:, span]
+    left = np.empty_like(color)
+    left[:, order] = sorted_color
+    return left
 
 
 def _shared(left: Float, usable: Bool, lag: int) -> float:

@@ -58,6 +58,17 @@ def eight_bit(pixels: Pixels) -> npt.NDArray[np.uint8]:
     return np.asarray(cv2.convertScaleAbs(pixels, alpha=255), np.uint8)
 
 
+def packed(pixels: Pixels) -> Pixels:
+    """(H, W, C) some pixels of a picture, one after the other in memory.
+
+    NumPy copies them in half of the time where it sees a pixel as one item.
+    """
+    if not pixels.size or pixels.strides[2] != pixels.itemsize:
+        return np.ascontiguousarray(pixels)
+    item = np.dtype((np.void, pixels.itemsize * pixels.shape[2]))
+    return np.ascontiguousarray(pixels.view(item)).view(pixels.dtype)
+
+
 def in_8_bits(values: Float32) -> Float32:
     """Code values rounded to those that an 8-bit file can hold."""
     rounded = np.asarray(values * np.float32(255), np.float32)  # one array, not one a step

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
 
 from facecrf_ocio.color.srgb import decode_srgb
 from facecrf_ocio.response.stops import MID_CODES, log_light, mean_over, uniform
-from facecrf_ocio.values import Estimate, Outcome, Verdict
+from facecrf_ocio.values import Estimate, Float, Outcome, Verdict, frozen
 
 # sRGB does as well where it lies no farther from the estimate than the estimate's own error.
 _AS_WELL = 1.0
@@ -51,9 +51,7 @@ def expectation(estimate: Estimate) -> Expectation | None:
     confidence = estimate.confidence
     if estimate.found is None or confidence is None:
         return None
-    grid = np.linspace(0.0, 1.0, 1024)
-    srgb = np.tile(decode_srgb(grid), (3, 1))
-    away = np.abs(log_light(srgb) - log_light(uniform(estimate.found)))
+    away = np.abs(_srgb_stops() - log_light(uniform(estimate.found)))
     distance = mean_over(away, MID_CODES)
     stops = confidence.in_stops
     mid = None if stops is None else float(stops.mid)
@@ -67,3 +65,9 @@ def expectation(estimate: Estimate) -> Expectation | None:
         estimate.outcome is not Outcome.ALREADY_LINEAR
         and distance <= _AS_WELL * (mid if mid is not None else 0.05),
     )
+
+
+@cache
+def _srgb_stops() -> Float:
+    """(3, 256) light in stops of sRGB."""
+    return frozen(log_light(np.tile(decode_srgb(np.linspace(0.0, 1.0, 1024)), (3, 1))))
