@@ -125,7 +125,10 @@ def test_masked_pixels_are_not_counted_and_weights_are() -> None:
     mask[20:40, 10:50] = True
     counts = count_noise([photo], [mask], [3.0])
     assert counts.histograms[0].sum(axis=(1, 2)).tolist() == [3.0 * 20 * 40] * 3
-    assert counts.codes.sum(axis=1).tolist() == [3.0 * 3600] * 3
+    of_all = count_noise([photo], None, [3.0])
+    assert of_all.codes.sum(axis=1).tolist() == [3.0 * 3600] * 3
+    # Of a part of a photo nobody asks for these.
+    assert not any(found.any() for found in (counts.codes, counts.blocks, counts.edges))
 
 
 def tables() -> st.SearchStrategy[NoiseTable]:
