@@ -44,8 +44,8 @@ BLOCK = 8  # [px] side of a JPEG's blocks
 _GREEN = 1  # index of the channel that a mosaic samples most densely
 _WHITE = 255  # [code value] of 8 bits
 _EDGE_SIZES = 2  # as stored and at half of it; chosen by judgment, and trained with
-# Windows counted at once: by the call one takes two fifths more time and three a tenth; nine, all of
-# a photo's, gain no more, and need a cache of twice the size.
+# Windows counted at once: by the call one takes two fifths more time and three a tenth; nine, all
+# of a photo's, gain no more, and need a cache of twice the size.
 _AT_ONCE = 5
 _MOST_DIFFERENCE = 32  # codes: what counts of a difference for blocks, lest edges outweigh all
 
