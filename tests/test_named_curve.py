@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 import zlib
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from photo_files import matrix_profile, random_codes
 from PIL import Image
 
 from facecrf_ocio import calibrate, read_photo
-from facecrf_ocio.color.signals import decode_film_scan, decode_hlg, decode_pq
+from facecrf_ocio.color.signals import decode_film_scan, decode_hlg, decode_log, decode_pq
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.image.linearize import write_linear
 from facecrf_ocio.photo.named_curve import curve_of_profile, curve_of_scan
@@ -154,7 +155,12 @@ def with_cicp(
 
 
 @pytest.mark.parametrize(
-    ("transfer", "name", "decode"), [(16, "PQ", decode_pq), (18, "HLG", decode_hlg)]
+    ("transfer", "name", "decode"),
+    [
+        (9, "log 100:1", partial(decode_log, decades=2.0)),
+        (16, "PQ", decode_pq),
+        (18, "HLG", decode_hlg),
+    ],
 )
 def test_a_png_says_which_signal_it_holds(tmp_path: Path, transfer: int, name: str, decode) -> None:
     # cICP goes before the profile.

@@ -13,7 +13,8 @@ import OpenImageIO as oiio  # noqa: N813
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from odd_files import chunk, with_chunks
+from odd_files import chunk, strip, with_chunks
+from odd_files import kind as numbers
 from photo_files import (
     app1,
     exif_of,
@@ -30,6 +31,7 @@ from facecrf_ocio import read_photo
 from facecrf_ocio.archive.walk import photos_under
 from facecrf_ocio.calibrate import assumptions_of
 from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.photo.channels import color_channels
 from facecrf_ocio.photo.jpeg_segments import take_apart
 from facecrf_ocio.photo.no_photo import no_photo
 from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
@@ -406,3 +408,38 @@ def test_names_of_objects_beside_colors_are_left_aside(tmp_path: Path) -> None:
     photo = read_photo(tmp_path / "a.exr")
     assert photo.scene_linear
     assert photo.encoded == pytest.approx(light[..., :3], rel=1e-3)
+
+
+class TestWholeFilesOfKindsThatAreNotRead:
+    """They are not told to be damaged: a copy of them would be no better."""
+
+    def test_a_jpeg_of_12_bits(self, tmp_path: Path) -> None:
+        at = JPEG.index(b"\xff\xc0") + 4
+        (tmp_path / "a.jpg").write_bytes(JPEG[:at] + b"\x0c" + JPEG[at + 1 :])
+        with pytest.raises(PhotoError, match=r"kind of JPEG that is not read.*12.* 8 bits"):
+            read_photo(tmp_path / "a.jpg")
+
+    def test_floating_point_of_24_bits(self, tmp_path: Path) -> None:
+        content = strip(bytes(32 * 24 * 9), 32, 24, *numbers(24, 2, 3, 3))
+        (tmp_path / "a.tif").write_bytes(content)
+        with pytest.raises(PhotoError, match="floating point of 24 bits"):
+            read_photo(tmp_path / "a.tif")
+
+    @pytest.mark.parametrize("name", ["Z", "depth", "beauty.Z"])
+    def test_distances_are_no_light(self, tmp_path: Path, name: str) -> None:
+        path = write(tmp_path / "a.exr", np.ones((12, 16, 1), np.float32), oiio.FLOAT, (name,))
+        with pytest.raises(PhotoError, match="but no R, G and B"):
+            read_photo(path)
+
+
+def test_channels_of_16_bits_one_after_another_in_one_strip(tmp_path: Path) -> None:
+    codes = np.random.default_rng(1).integers(0, 65536, (200, 16, 3), np.uint16)
+    told = {"planarconfig": "separate", "compression": "zip", "tiff:RowsPerStrip": 200}
+    path = write(tmp_path / "a.tif", codes, oiio.UINT16, **told)
+    assert np.array_equal(np.rint(read_photo(path).encoded * 65535), codes)
+
+
+def test_a_film_scan_need_not_name_its_channels() -> None:
+    spec = oiio.ImageSpec(16, 12, 3, oiio.UINT16)
+    spec.channelnames = ("I", "I2", "I3")  # as OpenImageIO calls those of ImageMagick's Cineon
+    assert color_channels(Path("a.cin"), spec) == [0, 1, 2]

@@ -12,12 +12,9 @@ import numpy as np
 from facecrf_ocio.clip.frame_list import Clip, in_one_size
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.content import sha256_of
+from facecrf_ocio.photo.cicp import LINEAR, TRANSFERS
 from facecrf_ocio.values import Photo
 
-# ITU-T H.273, table 3: characteristics that say what the codes mean. Others (BT.709, sRGB) name
-# what a display is to do, and cameras do as they like.
-_NAMED = {9: "log 100:1", 10: "log 316:1", 16: "PQ", 18: "HLG"}
-_LINEAR = 8  # of the same table
 _UNEVEN = 1.5  # longest distance between frames over the shortest: a rate that varies
 # [s] and share of its length by which a header tells more than there is before a file is called cut
 # short: sound may go on a little behind the pictures.
@@ -158,12 +155,13 @@ def _photo(frame: Any, transfer: int, path: Path, sha256: str) -> Photo:
         dst_color_range="JPEG",
     )
     codes = turned.to_ndarray()
+    curve = TRANSFERS.get(transfer, "")
     encoded = codes.astype(np.float32) / np.float32(65535 if deep else 255)
     return Photo(
         encoded,
         bit_depth=16 if deep else 8,
-        scene_linear=transfer == _LINEAR,
-        named_curve=_NAMED.get(transfer, ""),
+        scene_linear=curve == LINEAR,
+        named_curve="" if curve == LINEAR else curve,
         path=path,
         sha256=sha256,
     )

@@ -9,16 +9,24 @@ from typing import Any
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import plain_text
 
+_OF_SCANS = ["I", "I2", "I3"]
+_DISTANCES = ("Z", "ZBACK", "DEPTH")  # from the camera, as renderers store them
+
 
 def color_channels(path: Path, spec: Any) -> list[int]:
-    """Indices of R, G, B by name, those without a layer's prefix first; or of one gray channel."""
+    """Indices of R, G, B by name, those without a layer's prefix first; or of one gray channel.
+
+    Film scans need not say what their channels are: OpenImageIO calls them I, I2 and I3 then.
+    """
     names: Sequence[str] = [name.upper() for name in spec.channelnames]
     layers = dict.fromkeys(["", *(name[: name.rfind(".") + 1] for name in names)])
     for layer in layers:
         if all(layer + channel in names for channel in "RGB"):
             return [names.index(layer + channel) for channel in "RGB"]
+    if names == _OF_SCANS:
+        return [0, 1, 2]
     color = [index for index in range(spec.nchannels) if index != alpha_channel(spec)]
-    if len(color) == 1:
+    if len(color) == 1 and names[color[0]].rpartition(".")[2] not in _DISTANCES:
         return color
     raise PhotoError(
         path,

@@ -12,7 +12,11 @@ from facecrf_ocio.values import Primaries
 
 LINEAR, PQ, HLG = "linear", "PQ", "HLG"
 _PRIMARIES = {1: "Rec.709", 9: "Rec.2020", 12: "Display P3"}  # H.273, table 2
-_TRANSFERS = {8: LINEAR, 16: PQ, 18: HLG}  # H.273, table 3
+TRANSFERS = {8: LINEAR, 9: "log 100:1", 10: "log 316:1", 16: PQ, 18: HLG}
+"""Curves by their numbers (ITU-T H.273, table 3) that say what the codes mean.
+
+Others (BT.709, sRGB) name what a display is to do, and cameras do as they like.
+"""
 _BOX = b"colrnclx"
 
 
@@ -26,8 +30,8 @@ class CodePoints:
 
     @property
     def curve(self) -> str:
-        """`linear`, `PQ`, `HLG`, or empty for any other."""
-        return _TRANSFERS.get(self.transfer, "")
+        """One of `TRANSFERS`, or empty for any other."""
+        return TRANSFERS.get(self.transfer, "")
 
     def named_primaries(self) -> Primaries | None:
         """The primaries; None for those that have no name here."""

@@ -24,11 +24,16 @@ _WHITE_IS_ZERO = 0  # TIFF 6.0
 # As libtiff says it of what it was built without, and of what it does not know.
 _UNKNOWN_COMPRESSION = re.compile(r"compression support is not configured|decoding is not impl")
 _COMPRESS = "save it with LZW or Deflate compression"
+# As libjpeg-turbo says it of whole files of kinds that it does not know, 12 bits above all.
+_UNKNOWN_JPEG = re.compile(r"JPEG error: (Unsupported|Sorry|.*not supported)")
+_ORDINARY = "convert it to a JPEG of 8 bits, to PNG or TIFF"
 
 
 def is_plain_16_bits(spec: Any, channels: Sequence[int]) -> bool:
     """Whether rows of R, G, B in 16 bits, and nothing else, can be read one after another."""
     rows_of_16_bits = spec.format.basetype == oiio.UINT16 and spec.tile_width == 0
+    # Channels one after another in compressed strips cannot be read a part at a time.
+    rows_of_16_bits &= spec.get_string_attribute("planarconfig") != "separate"
     return rows_of_16_bits and spec.nchannels == 3 and list(channels) == [0, 1, 2]
 
 
@@ -75,6 +80,8 @@ def _require_pixels(path: Path, source: Any, codes: Any) -> Pixels:
     problem = one_line(complaint(source.geterror), path) if source.has_error else ""
     if _UNKNOWN_COMPRESSION.search(problem):
         raise PhotoError(path, f"is compressed as cannot be undone here ({problem})", _COMPRESS)
+    if _UNKNOWN_JPEG.match(problem):
+        raise PhotoError(path, f"is a kind of JPEG that is not read here ({problem})", _ORDINARY)
     if problem or codes is None or codes.size == 0:
         raise PhotoError(path, f"is cut short or damaged ({problem or 'no pixels'})", COPY_AGAIN)
     return np.asarray(codes)

@@ -20,7 +20,7 @@ _SAME = 2e-3
 
 
 def named_curve(told: CodePoints | None, icc: bytes) -> str:
-    """`linear`, `PQ`, `HLG`, or empty where the file names none of them.
+    """One of `cicp.TRANSFERS`, or empty where the file names none of them.
 
     cICP goes before the profile (PNG, third edition, 4.3), and in the profile its tag before its
     curves (ICC.1:2022, 9.2.17).

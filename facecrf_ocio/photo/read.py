@@ -55,6 +55,7 @@ _COPY_OR_CONVERT = f"if it should be one, {COPY_AGAIN}; else {_CONVERT}"
 _INTEGERS = {oiio.UINT8, oiio.INT8, oiio.UINT16, oiio.INT16, oiio.UINT32, oiio.INT32}
 # TIFF 6.0 and supplements: separated inks; CIELab, ICCLab, ITULab.
 _SEPARATED, _LAB = 5, (8, 9, 10)
+_NOT_READ = 24  # [bit] of floats that OpenImageIO takes for others
 _ENCODED_SPACE = re.compile(r"srgb|g\d\d|gamma|log|pq|hlg|bt1886|itu709")
 _SPACE_PRIMARIES = {"p3d65": "Display P3", "rec2020": "Rec.2020", "adobergb": "Adobe RGB"}
 
@@ -202,6 +203,12 @@ def _check_kind(path: Path, spec: Any, file_format: str) -> None:
     if file_format == "null" or spec.deep or spec.depth > 1:
         kind = "a deep image" if spec.deep else "a volume" if spec.depth > 1 else "no image"
         raise PhotoError(path, f"is {kind}", _CONVERT)
+    if spec.format == oiio.FLOAT and spec.get_int_attribute("oiio:BitsPerSample") == _NOT_READ:
+        raise PhotoError(
+            path,
+            "holds floating point of 24 bits, which is not read here",
+            "save it as floating point of 16 or 32 bits",
+        )
     if file_format == "openexr" and spec.channelformat(0).basetype in _INTEGERS:
         raise PhotoError(
             path,
