@@ -257,3 +257,39 @@ def test_what_is_no_image_is_told_without_the_question_that_the_library_asks(tmp
     (tmp_path / "a.md").write_text("no picture", encoding="ascii")
     with pytest.raises(PhotoError, match=r"could not find a format reader for it\); if it should"):
         read_photo(tmp_path / "a.md")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links need a right there, and names end earlier")
+class TestPathsThatNoFileHas:
+    """Each command tells them in one line, as what they are."""
+
+    @pytest.mark.parametrize("command", ["batch", "verify", "report", "ocio-config", "lint"])
+    def test_links_in_a_circle(self, facecrf: CommandLine, tmp_path: Path, command: str) -> None:
+        (tmp_path / "a.cube").symlink_to("a.cube")
+        self.fails(facecrf, command, tmp_path / "a.cube", tmp_path)
+
+    @pytest.mark.parametrize(
+        "command", ["batch", "verify", "report", "ocio-config", "lint", "clip"]
+    )
+    def test_names_longer_than_a_disk_takes(
+        self, facecrf: CommandLine, tmp_path: Path, command: str
+    ) -> None:
+        self.fails(facecrf, command, tmp_path / ("a" * 300 + ".cube"), tmp_path)
+
+    @staticmethod
+    def fails(facecrf: CommandLine, command: str, path: Path, folder: Path) -> None:
+        outputs = {"ocio-config": "out.ocio", "batch": "out", "clip": "out"}
+        way = ("-o", folder / outputs[command]) if command in outputs else ()
+        ended = facecrf(command, path, *way)
+        assert ended.code != 0
+        assert "unexpected" not in ended.err
+        assert ended.err.startswith(f"facecrf: {path}")
+        assert ended.err.count("\n") == 1
+
+
+@pytest.mark.skipif(os.name == "nt", reason="names end earlier there")
+def test_a_lut_of_the_longest_name_is_applied(facecrf: CommandLine, tmp_path: Path) -> None:
+    photo, lut = write_noise(tmp_path / "a.png"), tmp_path / ("a" * 250 + ".cube")
+    lut.write_text("LUT_1D_SIZE 2\n0 0 0\n1 1 1\n")
+    ended = facecrf("apply", photo, "--lut", lut, "-o", tmp_path / "a.exr")
+    assert (ended.code, ended.err) == (0, "")

@@ -539,3 +539,18 @@ def test_the_command_tells_and_ends_by_severity(name: str, tmp_path: Path) -> No
     told = [json.loads(line) for line in ended.stdout.splitlines()]
     assert {finding["path"] for finding in told} <= {str(tmp_path / file)}
     assert any(finding["unusable"] for finding in told) == (ENDS[name] == 7)
+
+
+def test_what_becomes_nan_in_opencolorio_is_found(tmp_path: Path) -> None:
+    shaper = "3\n0 0.5 0.5\n0 0.5 1\n"  # an input twice
+    rows = "\n".join(f"{x / 15:.4f} {x / 15:.4f} {x / 15:.4f}" for x in range(16))
+    text = f"CSPLUTV100\n1D\n\nBEGIN METADATA\nEND METADATA\n\n{shaper * 3}\n16\n{rows}\n"
+    (tmp_path / "a.csp").write_text(text)
+    (finding,) = lint(tmp_path / "a.csp")
+    assert finding.severity == "error"
+    assert "NaN or infinity as OpenColorIO reads it" in finding.problem
+
+
+def test_a_short_table_that_is_constant_is_found(tmp_path: Path) -> None:
+    (tmp_path / "a.cube").write_text("LUT_1D_SIZE 4\n" + "0.5 0.5 0.5\n" * 4)
+    assert [one.problem for one in lint(tmp_path / "a.cube")] == [f"{c} is constant" for c in "RGB"]

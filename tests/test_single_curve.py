@@ -30,6 +30,7 @@ from facecrf_ocio.joint.single_curve import (
 )
 from facecrf_ocio.photo.edits import edits_told, made_as_told
 from facecrf_ocio.settings import JointSettings
+from facecrf_ocio.synthetic.jpeg import through_jpeg
 from facecrf_ocio.values import Camera, Lacking, Outcome, Verdict
 
 DEFAULTS = JointSettings()
@@ -330,3 +331,44 @@ def test_the_cases_kept_beside_the_project(cases: Path) -> None:
     assert calibrate(read_photo(cases / "pix16.jxl")).outcome is Outcome.ALREADY_LINEAR
     assert calibrate(read_photo(cases / "pq_cicp.png")).outcome is Outcome.NAMED
     assert read_photo(cases / "uhdr_bright_orient6.jpg").gain_map is not None
+
+
+def with_luma_inverted(codes: np.ndarray) -> np.ndarray:
+    planes = cv2.cvtColor(codes, cv2.COLOR_RGB2YCrCb)
+    planes[..., 0] = 255 - planes[..., 0]
+    return cv2.cvtColor(planes, cv2.COLOR_YCrCb2RGB)
+
+
+def with_lightness_inverted(codes: np.ndarray) -> np.ndarray:
+    planes = cv2.cvtColor(codes, cv2.COLOR_RGB2LAB)
+    planes[..., 0] = 255 - planes[..., 0]
+    return cv2.cvtColor(planes, cv2.COLOR_LAB2RGB)
+
+
+MADE_WRONG = {
+    "luma inverted": (with_luma_inverted, "eyes are brighter than the skin"),
+    "lightness inverted": (with_lightness_inverted, "eyes are brighter than the skin"),
+    "green and blue swapped": (lambda codes: codes[..., [0, 2, 1]], "more blue than green"),
+}
+
+
+@pytest.mark.parametrize("quality", [None, 80])
+@pytest.mark.parametrize("name", MADE_WRONG)
+def test_a_faces_own_parts_tell_how_its_picture_was_made_wrong(
+    name: str, quality: int | None
+) -> None:
+    make, told = MADE_WRONG[name]
+    wrong = np.ascontiguousarray(make(np.rint(grace_hopper() * 255).astype(np.uint8)))
+    wrong = wrong if quality is None else through_jpeg(wrong, quality, "4:2:0")
+    evidence = gather(Photo.of_codes(wrong))
+    assert told in evidence.doubt
+    confidence = conclude([replace(evidence, messages=surely(evidence))]).confidence
+    assert confidence is not None
+    assert confidence.verdict is Verdict.WEAK
+
+
+@pytest.mark.parametrize("gains", [(1, 1, 1), (1.2, 1, 0.7), (0.8, 1, 1.25), (1.1, 0.85, 1.1)])
+@pytest.mark.parametrize("exposure", [0.3, 1.0, 1.6])
+def test_a_face_in_any_light_is_as_it_should_be(gains: tuple, exposure: float) -> None:
+    lit = np.clip(grace_hopper() * np.float32(gains) * np.float32(exposure), 0, 1)
+    assert gather(Photo(lit)).doubt == ""

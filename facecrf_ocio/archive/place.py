@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from facecrf_ocio.errors import OutputError, PhotoError, reason_of
+from facecrf_ocio.files.folders import real_path
 
 LOCK = "facecrf-manifest.lock"
 TEMPORARY = ".facecrf-"
@@ -40,7 +41,7 @@ class Place:
     @classmethod
     def of(cls, folder: Path) -> Place:
         """The place that a folder is now."""
-        return cls(folder, folder.resolve(), _identity(folder))
+        return cls(folder, real_path(folder), _identity(folder))
 
     def inside(self, name: str) -> Path:
         """Path of an output, which may be written or removed: links on the way lead nowhere else.
@@ -52,7 +53,7 @@ class Place:
         """
         self.require()
         path = self.folder / name
-        parent = path.parent.resolve()
+        parent = real_path(path.parent)
         if path.name in ("", "..") or (parent != self.real and self.real not in parent.parents):
             raise OutputError(
                 f"{path}: leads out of {self.folder}; remove the link, or name another folder"
@@ -61,7 +62,7 @@ class Place:
 
     def require(self) -> None:
         """Raise OutputError unless the folder is the one it was."""
-        moved = self.folder.resolve() != self.real
+        moved = real_path(self.folder) != self.real
         if moved or (self.identity is not None and _identity(self.folder) != self.identity):
             raise OutputError(f"{self.folder}: is no longer the folder it was; {MOUNT}")
 
@@ -140,7 +141,7 @@ def source_identity(source: Path) -> tuple[int, int]:
 
 def require_apart(source: Path, folder: Path) -> None:
     """Raise OutputError if outputs would lie among the photos, or photos among the outputs."""
-    here, there = source.resolve(), folder.resolve()
+    here, there = real_path(source), real_path(folder)
     if here == there or here in there.parents or there in here.parents:
         raise OutputError(
             f"{folder}: lies inside of {source}, or around it; write to a folder of its own"

@@ -24,7 +24,7 @@ from facecrf_ocio.archive.work.status import status_of
 from facecrf_ocio.errors import OutputError, PhotoError
 from facecrf_ocio.estimators import JOINT_NAMES
 from facecrf_ocio.files.content import fingerprint_of
-from facecrf_ocio.files.folders import make_folder
+from facecrf_ocio.files.folders import make_folder, real_path
 
 
 @dataclass(frozen=True, slots=True)
@@ -292,7 +292,7 @@ class _Run:
 
 def _require_same_source(manifest: Manifest, source: Path) -> None:
     """Names are relative to the source, so two sources in one folder would be confused."""
-    here, there = as_utf8(str(source.resolve())), "source"
+    here, there = as_utf8(str(real_path(source))), "source"
     former = manifest.about(there)
     if former is not None and former != here:
         raise OutputError(f"{manifest.path}: is of the photos in {former}; write elsewhere")

@@ -22,6 +22,7 @@ from facecrf_ocio.errors import (
     OutputError,
     PhotoError,
     SettingsError,
+    reason_of,
 )
 from facecrf_ocio.files.plain_text import one_line as one_line  # noqa: PLC0414 - for commands
 from facecrf_ocio.files.plain_text import plain_text
@@ -94,6 +95,8 @@ def problem_of(error: Exception) -> str:
         return error.on_command_line()
     if isinstance(error, MemoryError):
         return "not enough memory; use smaller files"
+    if isinstance(error, OSError) and error.filename is not None:
+        return f"{os.fsdecode(error.filename)}: {reason_of(error)}; check the name and the disk"
     if os.environ.get("FACECRF_DEBUG"):
         raise error
     return f"unexpected {type(error).__name__}: {plain_text(error)}; please report this"

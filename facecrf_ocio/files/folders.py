@@ -40,3 +40,11 @@ def _flush(folder: Path) -> None:
             os.fsync(descriptor)
         finally:
             os.close(descriptor)
+
+
+def real_path(path: Path) -> Path:
+    """Return where a path leads; of links that lead in a circle, as far as they can be followed.
+
+    `Path.resolve` raises a RuntimeError of those before Python 3.13.
+    """
+    return Path(os.path.realpath(path))

@@ -10,10 +10,11 @@ import numpy.typing as npt
 import PyOpenColorIO as ocio  # noqa: N813
 
 from facecrf_ocio.color.primaries import CIE_XYZ
-from facecrf_ocio.errors import LutError, SettingsError
+from facecrf_ocio.errors import IS_FOLDER, LutError, SettingsError
 from facecrf_ocio.image.lookup import Lookup
 from facecrf_ocio.lut.format_table import of_suffix
 from facecrf_ocio.lut.lint.text_tables import decimal_comma
+from facecrf_ocio.lut.numbers import is_of_numbers
 from facecrf_ocio.lut.ocio_processor import RefusedError, exact_cpu, ocio_processor
 from facecrf_ocio.lut.records import LutRecords, lut_records, space_by_matrix
 from facecrf_ocio.lut.transform import DIRECTIONS
@@ -126,9 +127,9 @@ def lut_processor(lut: Path) -> Any:
     """
     if not lut.is_file():
         problem = (
-            "is a folder; name a LUT file" if lut.is_dir() else "does not exist; check the name"
+            "is no file; name a LUT file" if lut.exists() else "does not exist; check the name"
         )
-        raise LutError(f"{lut}: {problem}")
+        raise LutError(f"{lut}: {IS_FOLDER + '; name a LUT file' if lut.is_dir() else problem}")
     try:
         refused = why_unusable(lut)
         if refused:
@@ -147,7 +148,7 @@ def lut_processor(lut: Path) -> Any:
             "or .clf"
         ) from error
     # OpenColorIO takes a table with NaN for the identity.
-    if any(_is_broken(part) for part in processor.createGroupTransform()):
+    if not is_of_numbers(processor):
         raise LutError(f"{lut}: holds NaN or infinite values; make the LUT again")
     return processor
 
@@ -164,22 +165,3 @@ def _inverse(lut: Path) -> Any:
         return ocio_processor(lut, inverse=True)
     except RefusedError as error:
         raise LutError(f"{lut}: cannot be run backward ({error}); name a LUT that can") from error
-
-
-def _is_broken(part: Any) -> bool:
-    """Whether a step of a transform holds what is no number, where a finite code may meet it."""
-    if isinstance(part, ocio.MatrixTransform):
-        return not np.isfinite([*part.getMatrix(), *part.getOffset()]).all()
-    if not hasattr(part, "getData"):
-        return False
-    table = part.getData()
-    if np.isfinite(table).all():
-        return False
-    if not (isinstance(part, ocio.Lut1DTransform) and part.getInputHalfDomain()):
-        return True
-    # An entry for each half float: what is infinite or NaN of the input may be so of the output,
-    # and light beyond 1 may go to infinity.
-    light = np.arange(65536, dtype=np.uint16).view(np.float16)
-    entries = np.reshape(table, (light.size, -1))
-    codes = (light >= 0) & (light <= 1)
-    return bool(np.isnan(entries[np.isfinite(light)]).any() or np.isinf(entries[codes]).any())

@@ -19,6 +19,7 @@ from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.face.no_face import lacking_faces
 from facecrf_ocio.face.view import cut_face
 from facecrf_ocio.files.threads import OtherThread
+from facecrf_ocio.joint.face_parts import odd_parts
 from facecrf_ocio.joint.few_levels import few_levels
 from facecrf_ocio.joint.messages import Networks, shipped_networks
 from facecrf_ocio.joint.metadata import UNTOLD, modern_leaning, phone_leaning
@@ -189,6 +190,7 @@ def _observed(photo: Photo, settings: JointSettings, other: OtherThread) -> Obse
     ask_levels = other.begin(partial(few_levels, photo.pixels, face.box_xy, settings))
     of_face = face_statistics(view, settings)
     doubts = list(filter(None, [strange_skin(photo.pixels, face.box_xy)]))
+    doubts += odd_parts(view, photo.pixels)
     for found_out in (ask_levels(), ask_tone()):
         if isinstance(found_out, Lacking):
             return found_out

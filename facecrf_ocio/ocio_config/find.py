@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from facecrf_ocio.errors import LutError, reason_of
+from facecrf_ocio.files.folders import real_path
 from facecrf_ocio.image.lut_lookup import lut_processor
 from facecrf_ocio.lut.format_table import config_suffixes
 from facecrf_ocio.lut.records import lut_records, space_by_matrix
@@ -66,7 +67,7 @@ def find_luts(paths: Sequence[Path]) -> tuple[PhotoLut, ...]:
     except OSError as error:
         problem = reason_of(error)
         raise LutError(f"{error.filename}: cannot be read: {problem}; check the folder") from error
-    homes = [lut.resolve().parent for lut in found]
+    homes = [real_path(lut).parent for lut in found]
     shared = Path(os.path.commonpath(homes))
     return tuple(
         PhotoLut(

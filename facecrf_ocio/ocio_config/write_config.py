@@ -19,6 +19,7 @@ from facecrf_ocio.color.working_space import (
 )
 from facecrf_ocio.errors import LutError, OutputError, SettingsError
 from facecrf_ocio.files.atomic import require_free
+from facecrf_ocio.files.folders import real_path
 from facecrf_ocio.ocio_config.description import describe
 from facecrf_ocio.ocio_config.entries import Entry, name_luts, safe
 from facecrf_ocio.ocio_config.find import PhotoLut, find_luts
@@ -135,7 +136,7 @@ def _base(merge: str | None, space: str | None, output: Path) -> Any:
     if config.getMajorVersion() < 2:
         raise SettingsError(f"{merge}: has profile version 1; {_UPGRADE}")
     if not merge.startswith("ocio://"):
-        keep_paths(config, Path(merge).resolve().parent, output.resolve().parent)
+        keep_paths(config, real_path(Path(merge)).parent, real_path(output).parent)
     return config
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -50,7 +51,8 @@ def told_of(lut: Path, records: Records) -> Told:
     readings = list(_readings(lut.name))
     for stem, space, encodes in readings:
         record = output_path(lut.parent, stem, RECORD)
-        if record not in records and record.is_file():
+        # Without an error for a name that no disk takes, as that of a long LUT's record may be.
+        if record not in records and os.path.isfile(record):  # noqa: PTH113
             records[record] = read_source(record)
         if record in records and lut.name in records[record][1]:
             return Told(stem, space, encodes, records[record][0])

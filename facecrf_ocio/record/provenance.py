@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from pathlib import Path
 
 import numpy as np
@@ -82,7 +83,7 @@ def record_of(lut: Path) -> Sidecar | None:
     parts = lut.name.split(".")
     for count in range(len(parts) - 1, 0, -1):
         path = output_path(lut.parent, ".".join(parts[:count]), RECORD)
-        if path.is_file():
+        if os.path.isfile(path):  # noqa: PTH113 - False, too, for a name that no disk takes
             try:
                 record = read_sidecar(path)
             except LutError:

@@ -18,6 +18,7 @@ from facecrf_ocio import __version__
 from facecrf_ocio.archive.place import Place
 from facecrf_ocio.archive.task import Result, Task
 from facecrf_ocio.archive.work.processes import Limits, Workers
+from facecrf_ocio.files.folders import real_path
 from facecrf_ocio.files.versions import difference, versions
 
 _IDLE = 60.0  # [s] after which a process that nobody asks is let go
@@ -89,7 +90,7 @@ def unpack(parcel: Parcel) -> Delivery:
     unseen = _unseen(parcel)
     if unseen is not None:
         return Delivery(unseen=str(unseen))
-    place = Place(parcel.folder, parcel.folder.resolve())
+    place = Place(parcel.folder, real_path(parcel.folder))
     return Delivery(_work(parcel, parcel.source, place))
 
 

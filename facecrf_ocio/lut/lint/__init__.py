@@ -11,6 +11,7 @@ from facecrf_ocio.errors import LutError, reason_of
 from facecrf_ocio.lut.format_table import FORMATS, of_suffix
 from facecrf_ocio.lut.lint.curve_checks import check
 from facecrf_ocio.lut.lint.finding import ERROR, WARNING, Finding, count
+from facecrf_ocio.lut.numbers import is_of_numbers
 from facecrf_ocio.lut.ocio_processor import exact_cpu, ocio_processor
 from facecrf_ocio.lut.usable import ask
 
@@ -48,8 +49,12 @@ def lint(path: Path) -> tuple[Finding, ...]:
         problem = f"it cannot be used: {refused}"
         remedy = "export it again, in another format if need be"
         found.append(Finding(path, None, ERROR, problem, remedy, unusable=True))
-    elif not tables:
+        return tuple(found)
+    if not tables:
         found += _sampled(path)
+    if not any(one.severity == ERROR for one in found) and not is_of_numbers(ocio_processor(path)):
+        problem = "it holds NaN or infinity as OpenColorIO reads it"
+        found.append(Finding(path, None, ERROR, problem, "export it again"))
     return tuple(found)
 
 

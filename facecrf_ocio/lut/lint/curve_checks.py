@@ -98,12 +98,12 @@ def _check_curve(
 ) -> list[Finding]:
     found = _falls(path, name, lines, values)
     inside = np.flatnonzero(codes)
-    if inside.size < _FEWEST or found:
-        return found + _white(path, name, lines, values, table)
     column, places = values[inside], [lines[int(index)] for index in inside]
-    if column[0] == column[-1]:
+    if column.size > 1 and column[0] == column[-1] and not found:
         problem, remedy = f"{name} is constant", "export it again"
         return [Finding(path, places[0], WARNING, problem, remedy)]
+    if inside.size < _FEWEST or found:
+        return found + _white(path, name, lines, values, table)
     found += _white(path, name, lines, values, table)
     if not table.half_domain:  # whose steps are as fine as its numbers
         found += _jumps(path, name, places, column)
