@@ -211,3 +211,32 @@ class TestWhereLutsLead:
         lut = write_lut(GAMMA, tmp_path / "a.cube", direction="encode")
         with pytest.raises(LutError, match="it encodes, by the shape of its curve"):
             write_config([lut], tmp_path / "c.ocio")
+
+
+FLAWS = {
+    "role": ("roles: {default: raw, scene_linear: gone}", "is not defined"),
+    "rule": (
+        "file_rules: [!<Rule> {name: Default, colorspace: gone}]\nroles: {default: raw}",
+        "neither a color space",
+    ),
+    "look": ("roles: {default: raw}\nlooks: []", "refers to a look"),
+}
+
+
+@pytest.mark.parametrize("name", FLAWS)
+def test_a_flaw_is_told_of_the_config_that_has_it(
+    name: str, lut: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    said, told = FLAWS[name]
+    looks = ", looks: gone" if name == "look" else ""
+    (tmp_path / "flawed.ocio").write_text(
+        f"ocio_profile_version: 2\n{said}\n"
+        f"displays: {{s: [!<View> {{name: Raw, colorspace: raw{looks}}}]}}\n"
+        "colorspaces: [!<ColorSpace> {name: raw}]\n"
+    )
+    with pytest.raises(SettingsError, match=rf"flawed\.ocio: has a flaw.*{told}.*; mend it first"):
+        write_config(
+            [lut], tmp_path / "new.ocio", merge=str(tmp_path / "flawed.ocio"), reference="acescg"
+        )
+    assert capfd.readouterr().err == ""
+    assert not (tmp_path / "new.ocio").exists()

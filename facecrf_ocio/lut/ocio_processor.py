@@ -10,6 +10,7 @@ from typing import Any
 import PyOpenColorIO as ocio  # noqa: N813
 
 from facecrf_ocio.files.plain_text import plain_text
+from facecrf_ocio.lut.ocio_log import unlogged
 
 
 class RefusedError(Exception):
@@ -40,14 +41,15 @@ def ocio_processor(
     """
     source = os.path.abspath(path)  # noqa: PTH100 - resolves no links
     way = ocio.TRANSFORM_DIR_INVERSE if inverse else ocio.TRANSFORM_DIR_FORWARD
-    level = ocio.GetLoggingLevel()
+    with unlogged(quiet):
+        return _processor(path, source, way, ocio.INTERP_LINEAR if curve else ocio.INTERP_BEST)
+
+
+def _processor(path: Path, source: str, way: Any, between: Any) -> Any:
     try:
-        if quiet:
-            ocio.SetLoggingLevel(ocio.LOGGING_LEVEL_NONE)
         # It keeps every file it ever read, by path: a file that was written again would be read
         # as it was, and a batch would fill the memory.
         ocio.ClearAllCaches()
-        between = ocio.INTERP_LINEAR if curve else ocio.INTERP_BEST
         transform = ocio.FileTransform(src=source, interpolation=between)
         # An empty context keeps it from expanding $HOME and the like in the folder's name.
         return ocio.Config.CreateRaw().getProcessor(ocio.Context(), transform, way)
@@ -58,7 +60,6 @@ def ocio_processor(
         raise RefusedError("it cannot read from a folder whose name is not Unicode") from error
     finally:
         ocio.ClearAllCaches()
-        ocio.SetLoggingLevel(level)
 
 
 def exact_cpu(processor: Any, depth: Any = ocio.BIT_DEPTH_F32) -> Any:

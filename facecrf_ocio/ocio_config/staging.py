@@ -11,8 +11,10 @@ import PyOpenColorIO as ocio  # noqa: N813
 
 from facecrf_ocio.errors import OutputError, SettingsError, reason_of
 from facecrf_ocio.files.atomic import Draft, write_files
+from facecrf_ocio.lut.ocio_log import unlogged
 
-REFUSED = (ocio.Exception, ocio.ExceptionMissingFile)  # the second is no kind of the first
+# The second is no kind of the first, and the third is what the file system says.
+REFUSED = (ocio.Exception, ocio.ExceptionMissingFile, RuntimeError)
 NEWEST_OF_BLENDER = (2, 4)
 """Profile version that Blender 5.0 reads."""
 
@@ -36,7 +38,7 @@ def write_staged(
         If a file exists and `overwrite` is false, or cannot be written.
     """
     try:
-        with tempfile.TemporaryDirectory(prefix="facecrf-") as name:
+        with tempfile.TemporaryDirectory(prefix="facecrf-") as name, unlogged():
             content = _staged(config, Path(name), output, folder, files)
     except OSError as error:
         raise OutputError(f"{output}: no room to prepare it ({error.strerror})") from error

@@ -20,6 +20,7 @@ from facecrf_ocio.color.working_space import (
 from facecrf_ocio.errors import LutError, OutputError, SettingsError
 from facecrf_ocio.files.atomic import require_free
 from facecrf_ocio.files.folders import real_path
+from facecrf_ocio.lut.ocio_log import unlogged
 from facecrf_ocio.ocio_config.description import describe
 from facecrf_ocio.ocio_config.entries import Entry, name_luts, safe
 from facecrf_ocio.ocio_config.find import PhotoLut, find_luts
@@ -103,7 +104,7 @@ def write_config(
     entries = name_luts(find_luts(luts), taken)
     folder = f"{safe(output.stem)}_luts"
     base.addSearchPath(folder)
-    chain = _chain(base, reference if merge else REFERENCE, primaries)
+    chain = _chain(base, merge, reference if merge else REFERENCE, primaries)
     files = {entry.file: _content(entry.lut.path) for entry in entries}
     if form == "variable" or (form == "auto" and len(entries) > MOST_SPACES):
         files |= _add_variable(base, entries, chain)
@@ -128,16 +129,32 @@ def _base(merge: str | None, space: str | None, output: Path) -> Any:
         raise SettingsError(f"{merge}: files it refers to cannot be packed; write a .ocio instead")
     if merge.lower().endswith(".ocioz"):
         raise SettingsError(f"{merge}: is packed; unpack it (ocioarchive --extract) and name that")
-    try:
-        config = ocio.Config.CreateFromFile(merge)
-    except REFUSED as error:
-        problem = str(error).strip().partition("\n")[0]
-        raise SettingsError(f"{merge}: not a config ({problem}); check the name") from error
+    config = _config_at(merge)
     if config.getMajorVersion() < 2:
         raise SettingsError(f"{merge}: has profile version 1; {_UPGRADE}")
     if not merge.startswith("ocio://"):
         keep_paths(config, real_path(Path(merge)).parent, real_path(output).parent)
+    _require_sound(config, merge)
     return config
+
+
+def _config_at(merge: str) -> Any:
+    try:
+        with unlogged():
+            return ocio.Config.CreateFromFile(merge)
+    except REFUSED as error:
+        problem = str(error).strip().partition("\n")[0]
+        raise SettingsError(f"{merge}: not a config ({problem}); check the name") from error
+
+
+def _require_sound(config: Any, merge: str) -> None:
+    """Raise SettingsError for a flaw that the merged config would have as well."""
+    try:
+        with unlogged():
+            config.validate()
+    except REFUSED as error:
+        problem = " ".join(str(error).split()).rstrip(".")
+        raise SettingsError(f"{merge}: has a flaw ({problem}); mend it first") from error
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,14 +193,16 @@ class _Chain:
         return [*_unless_identity(self.matrix(lut)), *self.rest]
 
 
-def _chain(config: Any, reference: str | None, primaries: Primaries | None) -> _Chain:
+def _chain(
+    config: Any, merge: str | None, reference: str | None, primaries: Primaries | None
+) -> _Chain:
     if reference is not None:
         if reference not in WORKING_SPACES:
             raise SettingsError(f"no reference {reference!r}; known: {', '.join(WORKING_SPACES)}")
         return _Chain(reference, (), primaries)
     space = config.getColorSpace("aces_interchange")
     if space is None:
-        raise SettingsError("the config has no role aces_interchange; pass reference=...")
+        raise SettingsError(f"{merge}: has no role aces_interchange; pass reference=...")
     forward = space.getTransform(ocio.ColorSpaceDirection.COLORSPACE_DIR_TO_REFERENCE)
     backward = space.getTransform(ocio.ColorSpaceDirection.COLORSPACE_DIR_FROM_REFERENCE)
     rest: tuple[Any, ...] = ()
