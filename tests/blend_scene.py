@@ -7,6 +7,7 @@ from functools import cache
 import cv2
 import numpy as np
 
+from facecrf_ocio.published.energy.color_blend import EdgeBlends
 from facecrf_ocio.response.model import dorf_model
 from facecrf_ocio.values import Photo
 
@@ -72,3 +73,16 @@ def sharpened(photo, amount=1.0):
 def rmse(samples, truth):
     """Error (3,) of each channel over all encoded values."""
     return np.sqrt(((samples - truth) ** 2).mean(axis=1))
+
+
+def random_blends(seed):
+    """Colors of four patches that obey nothing, for tests of energies as functions."""
+    rng = np.random.default_rng(seed)
+    patch = np.sort(np.concatenate([np.arange(4), rng.integers(0, 4, 10)]))
+    return EdgeBlends(rng.uniform(0, 1, (3, 4, 2)), rng.uniform(0, 1, (3, 14)), patch)
+
+
+def random_curves(seed, size=128):
+    """Powers, one for each channel: (3, `size`)."""
+    exponents = np.random.default_rng(seed).uniform(0.6, 3.0, (3, 1))
+    return np.linspace(0.0, 1.0, size) ** exponents

@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 
 import pytest
+from archive_photos import files
 from command_line import CODE, names_in, write_noise
 
 from facecrf_ocio.archive.manifest.connection import FILE
@@ -50,14 +51,6 @@ def rows(folder: Path, columns: str = COLUMNS):
         return base.execute(f"SELECT {columns} FROM photos ORDER BY name").fetchall()  # noqa: S608
     finally:
         base.close()
-
-
-def files(folder: Path):
-    return {
-        path.relative_to(folder).as_posix(): path.read_bytes()
-        for path in folder.rglob("*")
-        if path.is_file() and not path.name.startswith("facecrf-manifest.")
-    }
 
 
 def test_every_photo_is_accounted_for_and_the_originals_stay(facecrf, archive, tmp_path):

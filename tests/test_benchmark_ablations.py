@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from drawn_curves import write_drawn_curves
 
 from facecrf_ocio.benchmark import ablations
 from facecrf_ocio.benchmark.ablation import ABLATIONS, Ablated, Ablation, ablate
@@ -15,7 +16,7 @@ from facecrf_ocio.benchmark.truth import onto, synthetic_face, unit
 from facecrf_ocio.cli.bench_command import bench
 from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.face.view import cut_face
-from facecrf_ocio.response.model import dorf_model, strictly_increasing
+from facecrf_ocio.response.model import dorf_model
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.synthetic import encode, gamma_curve
 from facecrf_ocio.values import Photo
@@ -74,15 +75,7 @@ def test_without_a_face_the_reason_is_told(known):
 
 @pytest.fixture(scope="module")
 def curves(tmp_path_factory):
-    model, generator = dorf_model(), np.random.default_rng(4)
-    drawn = [
-        generator.multivariate_normal(mean, 0.2 * covariance)
-        for mean, covariance in zip(model.mixture.means, model.mixture.covariances, strict=True)
-        for _ in range(12)
-    ]
-    path = tmp_path_factory.mktemp("curves") / "curves.npz"
-    np.savez(path, inverse=strictly_increasing(model.samples(np.array(drawn))))
-    return path
+    return write_drawn_curves(tmp_path_factory.mktemp("curves") / "curves.npz")
 
 
 @pytest.mark.slow

@@ -10,6 +10,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813
 import pytest
 from click.testing import CliRunner
+from drawn_curves import write_drawn_curves
 
 from facecrf_ocio.benchmark import bench_processes, workbench
 from facecrf_ocio.benchmark.cases import Case, Plan, Task, choose_estimators
@@ -23,7 +24,7 @@ from facecrf_ocio.benchmark.virtual_camera import Encoding
 from facecrf_ocio.benchmark.workbench import Result, Workbench
 from facecrf_ocio.cli.bench_command import bench
 from facecrf_ocio.errors import FaceCRFError
-from facecrf_ocio.response.model import dorf_model, strictly_increasing
+from facecrf_ocio.response.model import dorf_model
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.synthetic import SyntheticSpec, render_face
 
@@ -49,16 +50,7 @@ def faces(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def curves(tmp_path_factory):
-    """Sixty curves drawn from the shipped model's prior."""
-    model, generator = dorf_model(), np.random.default_rng(4)
-    drawn = [
-        generator.multivariate_normal(mean, 0.2 * covariance)
-        for mean, covariance in zip(model.mixture.means, model.mixture.covariances, strict=True)
-        for _ in range(12)
-    ]
-    path = tmp_path_factory.mktemp("curves") / "curves.npz"
-    np.savez(path, inverse=strictly_increasing(model.samples(np.array(drawn))))
-    return path
+    return write_drawn_curves(tmp_path_factory.mktemp("curves") / "curves.npz")
 
 
 @pytest.fixture

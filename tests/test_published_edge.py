@@ -4,8 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from blend_scene import GAMMA22, GRID, MEAN, MODEL, linear_scene, photograph, plausible_curves, rmse
-from differences import directional_slopes
+from blend_scene import (
+    GAMMA22,
+    GRID,
+    MEAN,
+    MODEL,
+    linear_scene,
+    photograph,
+    plausible_curves,
+    random_blends,
+    random_curves,
+    rmse,
+)
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -13,7 +23,7 @@ from facecrf_ocio.published import edge_patches
 from facecrf_ocio.published.answer import EnergyTerms
 from facecrf_ocio.published.edge import edge_answer
 from facecrf_ocio.published.edge_patches import find_edge_patches, stack_blends
-from facecrf_ocio.published.energy.color_blend import ColorBlend, EdgeBlends
+from facecrf_ocio.published.energy.color_blend import ColorBlend
 from facecrf_ocio.published.energy.empirical import Empirical
 from facecrf_ocio.published.energy.monotonicity import Monotonicity
 from facecrf_ocio.published.solve import Weighted, solve
@@ -36,17 +46,6 @@ def estimate(photo, *, shared=False):
     return MODEL.samples(solve(MODEL, terms, shared=shared).coefficients)
 
 
-def random_blends(seed):
-    rng = np.random.default_rng(seed)
-    patch = np.sort(np.concatenate([np.arange(4), rng.integers(0, 4, 10)]))
-    return EdgeBlends(rng.uniform(0, 1, (3, 4, 2)), rng.uniform(0, 1, (3, 14)), patch)
-
-
-def random_curves(seed, size=128):
-    exponents = np.random.default_rng(seed).uniform(0.6, 3.0, (3, 1))
-    return np.linspace(0.0, 1.0, size) ** exponents
-
-
 # --- the energy ---
 
 
@@ -65,19 +64,6 @@ def test_the_energy_is_the_sum_of_distances_from_the_line(seed):
         total += np.linalg.norm(point - foot)
     value, _ = ColorBlend(blends, 128, softness=1e-9).value_and_gradient(curves)
     assert value == pytest.approx(total, rel=1e-6, abs=1e-6)
-
-
-@given(seeds)
-def test_its_gradient_is_that_of_differences(seed):
-    energy, curves = ColorBlend(random_blends(seed), 128), random_curves(seed)
-    directions = np.random.default_rng(seed).normal(size=(3, *curves.shape))
-    slopes = directional_slopes(
-        lambda at: energy.value_and_gradient(at)[0], curves, directions, 1e-6
-    )
-    _, gradient = energy.value_and_gradient(curves)
-    np.testing.assert_allclose(
-        np.einsum("nck,ck->n", directions, gradient), slopes, rtol=2e-4, atol=1e-4
-    )
 
 
 def test_the_true_curve_costs_nothing_and_every_other_exponent_does():

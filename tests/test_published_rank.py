@@ -4,14 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from blend_scene import GAMMA22, GRID, MEAN, MODEL, linear_scene, photograph, plausible_curves, rmse
-from differences import directional_slopes
+from blend_scene import (
+    GAMMA22,
+    GRID,
+    MEAN,
+    MODEL,
+    linear_scene,
+    photograph,
+    plausible_curves,
+    random_blends,
+    random_curves,
+    rmse,
+)
 from hypothesis import given
 from hypothesis import strategies as st
 
 from facecrf_ocio.published.answer import FittedCurve
 from facecrf_ocio.published.edge_patches import find_edge_patches, stack_blends
-from facecrf_ocio.published.energy.color_blend import ColorBlend, EdgeBlends
+from facecrf_ocio.published.energy.color_blend import ColorBlend
 from facecrf_ocio.published.energy.rank_blend import BlendRank
 from facecrf_ocio.published.rank import DEGREE, fit_polynomials, polynomial_basis, rank_answer
 from facecrf_ocio.settings import Settings
@@ -20,17 +30,6 @@ from facecrf_ocio.values import Lacking, Photo
 SETTINGS = Settings()
 IDENTITY = np.tile(GRID, (3, 1))
 seeds = st.integers(0, 10_000)
-
-
-def random_blends(seed):
-    rng = np.random.default_rng(seed)
-    patch = np.sort(np.concatenate([np.arange(4), rng.integers(0, 4, 10)]))
-    return EdgeBlends(rng.uniform(0, 1, (3, 4, 2)), rng.uniform(0, 1, (3, 14)), patch)
-
-
-def random_curves(seed, size=128):
-    exponents = np.random.default_rng(seed).uniform(0.6, 3.0, (3, 1))
-    return np.linspace(0.0, 1.0, size) ** exponents
 
 
 def nearest_polynomials(curves):
@@ -52,19 +51,6 @@ def test_condition_numbers_are_ratios_of_the_singular_values_of_each_patch(seed)
         linear = np.array([np.interp(c, grid, g) for c, g in zip(colors, curves, strict=True)])
         first, second = np.linalg.svd(linear[:, 1:] - linear[:, :1], compute_uv=False)[:2]
         assert value == pytest.approx(second / first, rel=1e-5, abs=1e-7)
-
-
-@given(seeds)
-def test_its_gradient_is_that_of_differences(seed):
-    energy, curves = BlendRank(random_blends(seed), 128), random_curves(seed)
-    directions = np.random.default_rng(seed).normal(size=(3, *curves.shape))
-    slopes = directional_slopes(
-        lambda at: energy.value_and_gradient(at)[0], curves, directions, 1e-6
-    )
-    _, gradient = energy.value_and_gradient(curves)
-    np.testing.assert_allclose(
-        np.einsum("nck,ck->n", directions, gradient), slopes, rtol=2e-4, atol=1e-4
-    )
 
 
 @given(seeds, st.floats(0.2, 5.0))
