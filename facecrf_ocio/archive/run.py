@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from facecrf_ocio import __version__
 from facecrf_ocio.archive.cameras.registry import reopen_measured
 from facecrf_ocio.archive.in_the_way import Alike, in_the_way
 from facecrf_ocio.archive.job import REOPENED, Event, Job
-from facecrf_ocio.archive.manifest.database import DONE, GATHERED, UNSEEN, WRITING, Manifest, Stamp
-from facecrf_ocio.archive.manifest.summary_rows import keep_for_report
+from facecrf_ocio.archive.manifest.database import DONE, GATHERED, WRITING, Manifest, Stamp
 from facecrf_ocio.archive.manifest.twin_rows import mark_duplicates
 from facecrf_ocio.archive.place import MOUNT, Place, alone, require_apart, source_identity
+from facecrf_ocio.archive.recording import Begun, Recording
 from facecrf_ocio.archive.task import FAILED, GATHER, WHOLE, Result, Task
 from facecrf_ocio.archive.twins import from_twin
 from facecrf_ocio.archive.unchanged import Unchanged
@@ -25,12 +25,6 @@ from facecrf_ocio.errors import OutputError, PhotoError
 from facecrf_ocio.estimators import JOINT_NAMES
 from facecrf_ocio.files.content import fingerprint_of
 from facecrf_ocio.files.folders import make_folder, real_path
-
-
-@dataclass(frozen=True, slots=True)
-class _Pending:
-    stamp: Stamp
-    fingerprint: str
 
 
 def run(job: Job, photos: Iterable[Path], tell: Callable[[Event], None]) -> None:
@@ -93,7 +87,8 @@ class _Run:
         self.step = GATHER if job.recipe.pool else WHOLE
         self.unchanged = Unchanged(manifest, place)
         self.alike: Alike = place.alike()
-        self.pending: dict[str, _Pending] = {}
+        self.pending: dict[str, Begun] = {}
+        self.recording = Recording(place, manifest, self.recipe_sha256, tell)
 
     def through(self, photos: Iterable[Path]) -> None:
         seen = False
@@ -138,7 +133,7 @@ class _Run:
             status = status_of(path)
         except PhotoError as error:
             self._require_source()
-            self._list_unseen(name, Result(FAILED, reason=error.problem, remedy=error.remedy))
+            self.recording.unseen(name, Result(FAILED, reason=error.problem, remedy=error.remedy))
             return None
         stamp = Stamp(status.st_size, status.st_mtime_ns, self.recipe_sha256, status.st_ctime_ns)
         known = self.manifest.known(name)
@@ -153,40 +148,21 @@ class _Run:
             return None
         return self._begin(path, name, stamp)
 
-    def _list_unseen(self, name: str, result: Result) -> None:
-        """List what cannot be looked at; what is known of it from before stays as it is."""
-        if self.manifest.known(name) is None:
-            self._list_until_next(name, result)
-
-    def _list_until_next(self, name: str, result: Result) -> None:
-        """List a failure that the next run tries anew."""
-        with self.manifest.transaction():
-            self.manifest.finish(name, Stamp(UNSEEN, 0, self.recipe_sha256), result)
-        self.tell(Event(name, result, fresh=True))
-
     def _begin(self, path: Path, name: str, stamp: Stamp) -> Task | None:
         """Mark a photo as begun, and return what a worker is to do with it."""
         recipe, overwrite = self.job.recipe, self.job.overwrite
         task = Task(path, name, self.place, recipe, overwrite=overwrite, step=self.step)
         problem = in_the_way(self.manifest, task, self.alike)
         if problem is not None:
-            self._hinder(task, problem)
+            self.recording.hindered(task, problem)
             return None
         task = replace(task, overwrite=True)  # what is there is the archive's own, or given up
         fingerprint = fingerprint_of(path)
         self._wait_for_twin(fingerprint)
-        self.pending[name] = _Pending(stamp, fingerprint)
+        self.pending[name] = Begun(stamp, fingerprint)
         with self.manifest.transaction():
             self.manifest.start(name, stamp, self._free(task))
         return self._from_twin(task, fingerprint)
-
-    def _hinder(self, task: Task, problem: Result) -> None:
-        """Tell why outputs cannot be written; what was made of the photo before stays."""
-        known = self.manifest.known(task.name)
-        if known is None or (known.state == DONE and not self.manifest.outputs(task.name)):
-            self._list_until_next(task.name, problem)
-        else:
-            self.tell(Event(task.name, problem, fresh=True))
 
     def _free(self, task: Task) -> list[str]:
         """Outputs that are not there yet: what a killed worker leaves of them is the archive's."""
@@ -199,7 +175,7 @@ class _Run:
         task, result = twin
         if result is None:
             return task
-        self._record(task, result)
+        self.recording.looked_at(task, self.pending.pop(task.name), result)
         return None
 
     def _wait_for_twin(self, fingerprint: str) -> None:
@@ -220,7 +196,7 @@ class _Run:
         like = Task(job.source, "", self.place, job.recipe, overwrite=job.overwrite)
         for task, result in waiting(self.manifest, like, self.recipe_sha256):
             if result is not None:
-                self._record_written(task, result)
+                self.recording.written(task, result)
             else:
                 self._write_one(task)
         self._collect_all()
@@ -246,44 +222,14 @@ class _Run:
                     self._forget(task)
                     continue
             if task.name in self.pending:
-                self._record(task, result)
+                self.recording.looked_at(task, self.pending.pop(task.name), result)
             else:
-                self._record_written(task, result)
+                self.recording.written(task, result)
 
     def _forget(self, task: Task) -> None:
         with self.manifest.transaction():
             self.manifest.forget(task.name)
         self.pending.pop(task.name, None)
-
-    def _record(self, task: Task, result: Result) -> None:
-        """Record what came of a photo that was looked at."""
-        pending = self.pending.pop(task.name)
-        if result.gathered is not None:
-            with self.manifest.transaction():
-                self.manifest.gather(task.name, pending.stamp, result, pending.fingerprint)
-                keep_for_report(self.manifest, task.name, result)
-            self.tell(Event(task.name, result, fresh=True, step=GATHERED))
-            return
-        stamp = pending.stamp if result.lasting else Stamp(UNSEEN, 0, self.recipe_sha256)
-        self._remove_former(task, result)
-        with self.manifest.transaction():
-            self.manifest.finish(task.name, stamp, result, pending.fingerprint)
-            keep_for_report(self.manifest, task.name, result)
-        self.tell(Event(task.name, result, fresh=True))
-
-    def _record_written(self, task: Task, result: Result) -> None:
-        """Record that a photo got the curve that was decided."""
-        self._remove_former(task, result)
-        with self.manifest.transaction():
-            self.manifest.written(task.name, result)
-            keep_for_report(self.manifest, task.name, result)
-        self.tell(Event(task.name, result, fresh=True))
-
-    def _remove_former(self, task: Task, result: Result) -> None:
-        # Before the row, so that a run that is cut here finds them in its own unfinished row.
-        own = {output.name for output in result.outputs}
-        former = {output.name for output in self.manifest.outputs(task.name)}
-        self.place.remove(former - own)
 
     def _require_source(self) -> None:
         if source_identity(self.job.source) != self.identity:
