@@ -76,7 +76,7 @@ def test_a_measurement_is_added_listed_exported_and_merged(capfd, tmp_path, regi
     assert run("cameras", "export", tmp_path / "mine.json").code == 0
     monkeypatch.setenv("FACECRF_CAMERAS", str(tmp_path / "theirs.json"))
     for _ in range(2):
-        assert "1 cameras" in run("cameras", "merge", tmp_path / "mine.json").out
+        assert "json: 1 camera\n" in run("cameras", "merge", tmp_path / "mine.json").out
 
 
 def test_an_estimate_is_no_measurement(capfd, tmp_path, registry):

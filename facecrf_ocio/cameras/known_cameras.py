@@ -25,6 +25,12 @@ POINTS = 256
 FORMAT = "facecrf cameras 1"
 
 
+def called(make: str, model: str) -> str:
+    """Make and model as one name, the make once: many models begin with it."""
+    begins = model.casefold().startswith(make.casefold())
+    return model if begins else f"{make} {model}"
+
+
 @dataclass(frozen=True, slots=True)
 class KnownCamera:
     """A camera's measured response.

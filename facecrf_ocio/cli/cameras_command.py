@@ -9,6 +9,9 @@ import click
 from facecrf_ocio.cli.options import TEXT_PATH
 from facecrf_ocio.cli.sections import Listing
 from facecrf_ocio.cli.terminal import DONE, NOTHING, complain, ending_well, say
+from facecrf_ocio.files.plain_text import counted
+
+_NAME, _METHOD = 28, 7  # columns of the longest that ships, and of `bracket`
 
 
 @click.group(cls=Listing, invoke_without_command=True)
@@ -24,7 +27,12 @@ def cameras(context: click.Context) -> None:
 @ending_well
 def list_cameras(name: str) -> int:
     """List those whose make or model has NAME in it: grade, spread in stops, method, proof."""
-    from facecrf_ocio.cameras.known_cameras import read_registry, registry_path, shipped_cameras
+    from facecrf_ocio.cameras.known_cameras import (
+        called,
+        read_registry,
+        registry_path,
+        shipped_cameras,
+    )
 
     own = read_registry(registry_path())
     found = [
@@ -39,8 +47,8 @@ def list_cameras(name: str) -> int:
         )
     for one, origin in found:
         say(
-            f"{one.make:<12} {one.model:<28} {one.grade}  {one.spread_stops:.2f} stops  "
-            f"{one.method:<8} {origin}  {one.proof[:60]}"
+            f"{called(one.make, one.model):<{_NAME}} {one.grade}  {one.spread_stops:.2f} stops  "
+            f"{one.method:<{_METHOD}} {origin}  {one.proof}"
         )
     return DONE
 
@@ -51,6 +59,7 @@ def list_cameras(name: str) -> int:
 def add(records: tuple[Path, ...]) -> int:
     """Add what facecrf pair, bracket or chart have measured (NAME.crf.json)."""
     from facecrf_ocio.cameras.known_cameras import (
+        called,
         joined,
         read_registry,
         registry_path,
@@ -63,7 +72,7 @@ def add(records: tuple[Path, ...]) -> int:
     target = registry_path()
     write_registry(target, joined(read_registry(target), new), overwrite=True)
     for one in new:
-        say(f"{one.make} {one.model}: added to {target}")
+        say(f"{called(one.make, one.model)}: added to {target}")
     return DONE
 
 
@@ -79,7 +88,7 @@ def export(target: Path, overwrite: bool) -> int:
     if not own:
         return complain("your registry is empty; add records first", NOTHING)
     write_registry(target, own, overwrite=overwrite)
-    say(f"{target}: {len(own)} cameras")
+    say(f"{target}: {counted(len(own), 'camera')}")
     return DONE
 
 
@@ -103,5 +112,5 @@ def merge_registries(sources: tuple[Path, ...]) -> int:
             raise LutError(f"{source}: does not exist; check the name")
         own = joined(own, read_registry(source))
     write_registry(target, own, overwrite=True)
-    say(f"{target}: {len(own)} cameras")
+    say(f"{target}: {counted(len(own), 'camera')}")
     return DONE

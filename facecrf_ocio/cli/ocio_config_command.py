@@ -55,7 +55,7 @@ def ocio_config(luts: tuple[Path, ...], output: Path, primaries: str | None, **c
         else "config with its LUTs inside"
     )
     if choices["merge"]:
-        what += f", profile version {_profile_version(config)} as before"
+        what += f"; its profile version stays {_profile_version(config)}"
     say(f"{config}: {what}")
     return DONE
 

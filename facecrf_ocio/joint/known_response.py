@@ -13,6 +13,7 @@ import numpy as np
 
 from facecrf_ocio.cameras.known_cameras import (
     KnownCamera,
+    called,
     known_cameras,
     matching,
     shipped_cameras,
@@ -93,7 +94,7 @@ def known_response(
     spread = np.full(each.shape[1], others)
     spread[:_IN_COMMON] = first, second
     return KnownResponse(
-        _called(found[0].make, found[0].model),
+        called(found[0].make, found[0].model),
         Message(sure @ each / sure.sum(), 1.0 / (spread**2 + 1.0 / sure.sum())),
         _apart([one for one in found if one not in shipped_cameras()], prior),
     )
@@ -164,14 +165,8 @@ def cameras_named(named: Iterable[tuple[str, str]]) -> tuple[str, ...]:
     models: dict[str, str] = {}
     for make, model in named:
         if model.strip():
-            models.setdefault(model.strip().casefold(), _called(make.strip(), model.strip()))
+            models.setdefault(model.strip().casefold(), called(make.strip(), model.strip()))
     return tuple(models.values())
-
-
-def _called(make: str, model: str) -> str:
-    """Make and model, the make once: many models begin with it."""
-    begins = model.casefold().startswith(make.casefold())
-    return model if begins else f"{make} {model}"
 
 
 def coefficients(camera: KnownCamera, prior: FamilyPrior) -> Float:
