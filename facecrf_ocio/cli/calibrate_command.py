@@ -25,9 +25,12 @@ from facecrf_ocio.cli.terminal import (
     require_writable,
     say,
     tell,
+    tell_details,
+    tell_estimate,
     tell_json,
 )
 from facecrf_ocio.errors import FaceCRFError, LutError, OutputError
+from facecrf_ocio.files.plain_text import counted
 from facecrf_ocio.record.output_names import PLOT
 
 if TYPE_CHECKING:
@@ -58,7 +61,8 @@ class _Calibration:
                 tell_json(path, code, outcome="error", reason=named)
             return code
         options = {"as_json": self.as_json, "verbose": self.choices.verbose}
-        return tell(path, estimate, written, notes=photo.notes, **options)
+        shared = self.together is not None
+        return tell(path, estimate, written, notes=photo.notes, told_before=shared, **options)
 
     def _calibrate(self, path: Path) -> tuple[Photo, Estimate, tuple[Path, ...]]:
         self.outputs.require_free(path)
@@ -135,6 +139,10 @@ def calibrate(
     require_writable(output)
     chosen = Choices(**choices)
     shared = _estimate_together(photos, chosen) if together else None
+    if shared is not None and shared.estimate.found is not None and not as_json:
+        tell_estimate(f"{counted(len(photos), 'photo')} together", shared.estimate)
+        if chosen.verbose:
+            tell_details(shared.estimate)
     job = _Calibration(outputs, as_json, chosen, shared)
     codes = []
     for number, path in enumerate(photos, start=1):

@@ -169,6 +169,23 @@ def require_writable(folder: Path) -> None:
         raise OutputError(f"{folder}: cannot be written: {problem}")
 
 
+def tell_estimate(whose: str, estimate: Estimate) -> None:
+    """Print on one line what to expect of a curve."""
+    from facecrf_ocio.wording.sentence import COMMAND_LINE, sentence
+
+    told = estimate.confidence
+    outcome = str(estimate.outcome) if told is None else f"{estimate.outcome} ({told.verdict})"
+    say(f"{whose}: {outcome}: {sentence(estimate, COMMAND_LINE)}")
+
+
+def tell_details(estimate: Estimate) -> None:
+    """Print what a curve rests on, a line each."""
+    from facecrf_ocio.wording.sentence import details
+
+    for line in details(estimate):
+        say(f"  {line}")
+
+
 def tell(
     path: Path,
     estimate: Estimate,
@@ -177,10 +194,14 @@ def tell(
     notes: tuple[str, ...] = (),
     as_json: bool = False,
     verbose: bool = False,
+    told_before: bool = False,
 ) -> int:
-    """Print what came of a photo: results on stdout, the lack of one on stderr."""
+    """Print what came of a photo: results on stdout, the lack of one on stderr.
+
+    Of an estimate that was told before, as of photos that share one, only the files are told.
+    """
     from facecrf_ocio.wording.expectation import expectation
-    from facecrf_ocio.wording.sentence import COMMAND_LINE, details, sentence
+    from facecrf_ocio.wording.sentence import COMMAND_LINE, sentence
 
     expected = expectation(estimate)
     told = estimate.confidence
@@ -190,13 +211,14 @@ def tell(
         message = f"{path}: {estimate.outcome}: {sentence(estimate, COMMAND_LINE)}"
         code = complain(message, NOTHING)
     elif not as_json:
-        outcome = f"{estimate.outcome} ({verdict})" if verdict else str(estimate.outcome)
-        say(f"{path}: {outcome}: {sentence(estimate, COMMAND_LINE)}")
+        if told_before:
+            say(str(path))
+        else:
+            tell_estimate(str(path), estimate)
         for note in notes:
             say(f"  note: {note}")
-        if verbose:
-            for line in details(estimate):
-                say(f"  {line}")
+        if verbose and not told_before:
+            tell_details(estimate)
         for file in written:
             click.echo(one_line(f"  {file}"))
     if as_json:
