@@ -179,6 +179,9 @@ def fraction_by_zero() -> bytes:
         (ultra_hdr_numbers(GainMapMax=400), "make no sense"),
         (ultra_hdr_numbers(GainMapMax=2, Gamma=0), "make no sense"),
         (ultra_hdr_numbers(GainMapMax=2, GainMapMin=3), "make no sense"),
+        (ultra_hdr_numbers(GainMapMax=2, OffsetSDR=-1), "make no sense"),
+        (ultra_hdr_numbers(GainMapMax=2, OffsetHDR=1e9), "make no sense"),
+        (ultra_hdr_numbers(GainMapMax=2, OffsetSDR=1e9), "make no sense"),
         (ultra_hdr_numbers(GainMapMax=[1, 2]), "2 numbers"),
         (ultra_hdr_numbers(GainMapMax=2, BaseRenditionIsHDR="True"), "itself is the HDR"),
         (iso_numbers([NUMBERS])[:-20], ""),
@@ -196,6 +199,18 @@ def test_a_map_of_no_use_is_set_aside(tmp_path: Path, numbers: bytes, why: str) 
         assert why in photo.notes[0]
     with pytest.raises(SettingsError, match="no gain map"):
         write_rendition(tmp_path / "a.exr", photo)
+
+
+def test_a_damaged_list_of_pictures_costs_nothing(
+    tmp_path: Path, recwarn: pytest.WarningsRecorder
+) -> None:
+    """The list (MPF) is left aside; Pillow warns of it, in lines of its own."""
+    path = write(tmp_path / "a.jpg", ultra_hdr_numbers(GainMapMax=2))
+    content = path.read_bytes()
+    at = content.index(b"MPF\0") + 20
+    path.write_bytes(content[:at] + b"\xff\xff\xff\x7f" + content[at + 4 :])
+    write_rendition(tmp_path / "a.exr", read_photo(path))
+    assert not recwarn.list
 
 
 def test_a_map_that_is_cut_short_is_set_aside(tmp_path: Path) -> None:

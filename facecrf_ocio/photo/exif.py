@@ -6,6 +6,7 @@ import struct
 from typing import Any
 
 from facecrf_ocio.files.plain_text import plain_text
+from facecrf_ocio.photo.unwarned import unwarned
 from facecrf_ocio.values import Camera
 
 _EXIF_DIRECTORY, _MAKER_NOTES = 0x8769, 0x927C  # tags (EXIF 2.32, sec. 4.6)
@@ -21,7 +22,8 @@ def load_exif(content: bytes) -> Any:
 
     exif = Image.Exif()
     try:
-        exif.load(content)
+        with unwarned():
+            exif.load(content)
     except (OSError, SyntaxError, ValueError, struct.error):
         return Image.Exif()
     return exif

@@ -181,8 +181,10 @@ def _three(numbers: Any) -> Float:
 
 
 def _checked(*given: Float) -> tuple[Float, ...]:
-    low, high, gamma, _, _ = numbers = np.array(given)
+    low, high, gamma, *offsets = numbers = np.array(given)
     sound = np.isfinite(numbers).all() and (gamma > 0).all() and (high >= low).all()
+    # Below 0 libultrahdr refuses offsets, and above white they would leave nothing of the light.
+    sound &= np.min(offsets) >= 0 and np.max(offsets) <= 1
     if not sound or np.abs([low, high]).max() > _MOST_STOPS:
         raise GainMapError("its numbers make no sense")
     return given

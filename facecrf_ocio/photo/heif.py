@@ -27,6 +27,7 @@ from facecrf_ocio.photo.picture import PhotoFile
 from facecrf_ocio.photo.pixels import is_gray, three_channels
 from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
 from facecrf_ocio.photo.tone_map_item import ToneMap, tone_map_item
+from facecrf_ocio.photo.unwarned import unwarned
 from facecrf_ocio.values import GainMap, Photo, frozen
 
 INSTALL = "install the extra (pip install 'facecrf-ocio[heif]'), or convert it to JPEG or TIFF"
@@ -196,7 +197,7 @@ def _by_pillow(source: Any, path: Path) -> tuple[npt.NDArray[Any], Any, bytes]:
     """(H, W, C) codes of an AVIF's picture, upright; its EXIF and profile."""
     from PIL import Image  # noqa: PLC0415
 
-    with Image.open(source) as image:
+    with unwarned(), Image.open(source) as image:
         check_size(path, *image.size)
         exif = load_exif(image.info.get("exif", b""))
         codes, icc = np.asarray(image), image.info.get("icc_profile") or b""

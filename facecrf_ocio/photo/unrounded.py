@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import warnings
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy.typing as npt
 
 from facecrf_ocio.photo.orientation import upright
 from facecrf_ocio.photo.smoothed_colors import as_stored
+from facecrf_ocio.photo.unwarned import unwarned
 
 # ITU-T T.871 (JFIF): from luma and two color differences, in codes, to red, green and blue.
 _TO_RGB = np.array([[1.0, 0.0, 1.402], [1.0, -0.344136, -0.714136], [1.0, 1.772, 0.0]], np.float32)
@@ -41,8 +41,7 @@ def _ycbcr(jpeg: bytes) -> npt.NDArray[np.uint8] | None:
     """(H, W, 3) luma and color differences, in codes."""
     from PIL import Image  # noqa: PLC0415 - only where a rendition is asked for
 
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # the photo was read before
+    with unwarned():
         try:
             codes, sampling = _decoded(jpeg, 1)
             if codes is None or min(codes.shape[:2]) < 2:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
@@ -19,6 +18,7 @@ from facecrf_ocio.errors import FaceCRFError
 from facecrf_ocio.photo.pixels import Pixels
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.photo.suffixes import suffixes_named
+from facecrf_ocio.photo.unwarned import unwarned
 from facecrf_ocio.record.output_names import EXR, RECORD, output_name
 from facecrf_ocio.record.sidecar import Sidecar, read_sidecar
 from facecrf_ocio.values import Outcome
@@ -121,8 +121,6 @@ def _read(path: Path, side: int, *, linear: bool) -> Pixels:
 
 def _read_jpeg(path: Path, side: int) -> npt.NDArray[np.uint8]:
     """Decode only the low frequencies: one to two pixels for each of the longer side, mostly."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of damaged metadata; its size the batch has checked
-        with Image.open(path) as image:
-            image.draft(None, (side, side))
-            return np.array(ImageOps.exif_transpose(image).convert("RGB"))
+    with unwarned(), Image.open(path) as image:  # whose size the batch has checked
+        image.draft(None, (side, side))
+        return np.array(ImageOps.exif_transpose(image).convert("RGB"))
