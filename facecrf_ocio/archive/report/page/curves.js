@@ -38,6 +38,26 @@ function told(channels) {
   return `Curve: the middle code value is ${parts.join(", ")} of white; sRGB would be 21 %`;
 }
 
+// Of a drawing: a line through values, a band about them, what axes are called, colors of channels.
+const lineThrough = (values, at) => values.map((v, k) => `${k ? "L" : "M"}${at(k, v)}`).join("");
+function bandAbout(values, halves, at) {
+  const up = lineThrough(
+    values.map((v, k) => v + halves[k]),
+    at,
+  );
+  const back = values.map((v, k) => `L${at(k, v - halves[k])}`).reverse();
+  return `${up}${back.join("")}Z`;
+}
+const axisNames = (across, height, upward, below, beside) => [
+  svg("text", {x: across, y: height - 5, "text-anchor": "middle"}, below),
+  svg(
+    "text",
+    {x: 11, y: upward, "text-anchor": "middle", transform: `rotate(-90 11 ${upward})`},
+    beside,
+  ),
+];
+const inColor = (channels, kind, i) => (channels.length === 1 ? "" : ` ${kind}${"rgb"[i]}`);
+
 function plot(index, width, height, label) {
   const channels = curveOf(index);
   const large = width > 200;
@@ -45,7 +65,7 @@ function plot(index, width, height, label) {
   const x = (u) => (left + u * (width - left - edge)).toFixed(1);
   const y = (v) => (edge + (1 - Math.min(Math.max(v, 0), 1)) * (height - bottom - edge)).toFixed(1);
   const u = (i) => i / (DATA.srgb.length - 1);
-  const path = (values) => values.map((v, i) => `${i ? "L" : "M"}${x(u(i))} ${y(v)}`).join("");
+  const at = (i, v) => `${x(u(i))} ${y(v)}`;
   const picture = svg("svg", {
     class: "plot",
     width,
@@ -63,33 +83,22 @@ function plot(index, width, height, label) {
         svg("text", {x: left - 6, y: +y(tick) + 4, "text-anchor": "end"}, String(tick)),
       );
     }
-    const half = +y(0.5);
-    picture.append(
-      svg("text", {x: x(0.5), y: height - 5, "text-anchor": "middle"}, "encoded value (1: white)"),
-      svg(
-        "text",
-        {x: 11, y: half, "text-anchor": "middle", transform: `rotate(-90 11 ${half})`},
-        "linear light (1: white)",
-      ),
-    );
+    const names = ["encoded value (1: white)", "linear light (1: white)"];
+    picture.append(...axisNames(x(0.5), height, +y(0.5), ...names));
   } else {
     picture.append(
       svg("rect", {class: "frame", x: 0.5, y: 0.5, width: width - 1, height: height - 1}),
     );
   }
-  const color = (kind, i) => (channels.length === 1 ? "" : ` ${kind}${"rgb"[i]}`);
   channels.forEach(({linear, half}, i) => {
     if (!half.some((h) => h > 0)) return;
-    const up = path(linear.map((v, k) => v + half[k]));
-    const down = linear
-      .map((v, k) => `L${x(u(k))} ${y(v - half[k])}`)
-      .reverse()
-      .join("");
-    picture.append(svg("path", {class: `area${color("a", i)}`, d: `${up}${down}Z`}));
+    const area = {class: `area${inColor(channels, "a", i)}`, d: bandAbout(linear, half, at)};
+    picture.append(svg("path", area));
   });
-  picture.append(svg("path", {class: "reference", d: path(DATA.srgb)}));
-  channels.forEach(({linear}, i) =>
-    picture.append(svg("path", {class: `line${color("c", i)}`, d: path(linear)})),
-  );
+  picture.append(svg("path", {class: "reference", d: lineThrough(DATA.srgb, at)}));
+  channels.forEach(({linear}, i) => {
+    const line = {class: `line${inColor(channels, "c", i)}`, d: lineThrough(linear, at)};
+    picture.append(svg("path", line));
+  });
   return picture;
 }

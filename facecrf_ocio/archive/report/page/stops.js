@@ -7,11 +7,7 @@ function plotStops(index, width, height) {
   const u = (k) => k / (DATA.srgb.length - 1);
   const x = (v) => (left + v * (width - left - edge)).toFixed(1);
   const y = (v) => (edge + (0.5 - v / (2 * STOPS_SHOWN)) * (height - bottom - edge)).toFixed(1);
-  const path = (values) =>
-    values
-      .slice(first)
-      .map((v, k) => `${k ? "L" : "M"}${x(u(first + k))} ${y(v)}`)
-      .join("");
+  const at = (k, v) => `${x(u(first + k))} ${y(v)}`;
   const picture = svg("svg", {
     class: "plot",
     width,
@@ -33,47 +29,34 @@ function plotStops(index, width, height) {
     );
   }
   for (const code of [16, 64, 128, 192, 255]) {
-    const at = x(code / 255);
+    const across = x(code / 255);
     picture.append(
-      svg("line", {class: "grid", x1: at, x2: at, y1: y(-2), y2: y(2)}),
+      svg("line", {class: "grid", x1: across, x2: across, y1: y(-2), y2: y(2)}),
       svg(
         "text",
-        {x: at, y: height - 24, "text-anchor": code === 255 ? "end" : "middle"},
+        {x: across, y: height - 24, "text-anchor": code === 255 ? "end" : "middle"},
         String(code),
       ),
     );
   }
-  const half = +y(0);
-  picture.append(
-    svg("text", {x: x(0.5), y: height - 5, "text-anchor": "middle"}, "8-bit code"),
-    svg(
-      "text",
-      {x: 11, y: half, "text-anchor": "middle", transform: `rotate(-90 11 ${half})`},
-      "stops above sRGB",
-    ),
-  );
-  const color = (kind, i) => (channels.length === 1 ? "" : ` ${kind}${"rgb"[i]}`);
+  picture.append(...axisNames(x(0.5), height, +y(0), "8-bit code", "stops above sRGB"));
   // A drawing of its own shows nothing beyond its edges: curves leave it where they are far off.
-  const [across, down] = [width - left - edge, height - bottom - edge];
+  const [wide, high] = [width - left - edge, height - bottom - edge];
   const inside = svg("svg", {
     x: left,
     y: edge,
-    width: across,
-    height: down,
-    viewBox: `${left} ${edge} ${across} ${down}`,
+    width: wide,
+    height: high,
+    viewBox: `${left} ${edge} ${wide} ${high}`,
   });
   channels.forEach(({stops, halfStops}, i) => {
-    const up = path(stops.map((v, k) => v + halfStops[k]));
-    const back = stops
-      .map((v, k) => `L${x(u(k))} ${y(v - halfStops[k])}`)
-      .slice(first)
-      .reverse()
-      .join("");
-    inside.append(svg("path", {class: `area${color("a", i)}`, d: `${up}${back}Z`}));
+    const band = bandAbout(stops.slice(first), halfStops.slice(first), at);
+    inside.append(svg("path", {class: `area${inColor(channels, "a", i)}`, d: band}));
   });
-  channels.forEach(({stops}, i) =>
-    inside.append(svg("path", {class: `line${color("c", i)}`, d: path(stops)})),
-  );
+  channels.forEach(({stops}, i) => {
+    const line = lineThrough(stops.slice(first), at);
+    inside.append(svg("path", {class: `line${inColor(channels, "c", i)}`, d: line}));
+  });
   picture.append(inside);
   return picture;
 }
