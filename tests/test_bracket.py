@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from archive_photos import exposed, write_picture
-from command_line import CommandLine
+from command_line import CommandLine, write_noise
 
 from facecrf_ocio.benchmark.peers.bracket_curves import Brackets
 from facecrf_ocio.benchmark.peers.made_curves import made_curves
@@ -158,3 +158,12 @@ def test_a_text_named_as_a_photo_is_told_as_no_image(capfd, tmp_path):
     ended = CommandLine(capfd)("bracket", *photos, "-o", tmp_path / "out")
     assert ended.code == 3
     assert "0.jpg: is not an image that can be read" in ended.err
+
+
+@pytest.mark.parametrize("given", ["nan,0", "0,inf", "0,1e308", "-65,0", "0"])
+def test_stops_of_no_camera_are_wrong_usage(facecrf: CommandLine, tmp_path, given: str) -> None:
+    photos = [write_noise(tmp_path / f"{name}.png") for name in "ab"]
+    ended = facecrf("bracket", *photos, "-o", tmp_path / "out", f"--stops={given}")
+    assert ended.code == 2
+    assert ended.err.startswith("facecrf: --stops ")
+    assert ended.err.count("\n") == 1

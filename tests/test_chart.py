@@ -131,6 +131,9 @@ class TestBadInput:
         with pytest.raises(PhotoError, match=r"shows (no chart|something else)"):
             calibrate_chart(Photo(np.full((300, 400, 3), 0.5, np.float32)))
 
+    def test_a_picture_of_one_row(self):
+        assert find_chart(np.zeros((1, 3000, 3), np.float32)) is None
+
     def test_no_detector(self, monkeypatch):
         monkeypatch.delattr(cv2, "mcc", raising=False)
         with pytest.raises(PhotoError, match=r"has no detector.*corners_xy="):

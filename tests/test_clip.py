@@ -137,6 +137,12 @@ def test_frames_written_have_the_time_code_that_openexr_has(tmp_path):
     written[3].unlink()
     there = [was for _, was in write_sequence(clip, lambda _: estimate, tmp_path / "out")]
     assert there.count(False) == 1
+    # One that lost its end since, and has its header, is no frame.
+    whole = written[5].read_bytes()
+    written[5].write_bytes(whole[:-100])
+    there = [was for _, was in write_sequence(clip, lambda _: estimate, tmp_path / "out")]
+    assert there.count(False) == 1
+    assert written[5].read_bytes() == whole
 
 
 def test_a_drift_of_three_hundredths_is_seen_through_the_frames_scatter():

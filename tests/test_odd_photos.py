@@ -443,3 +443,10 @@ def test_a_film_scan_need_not_name_its_channels() -> None:
     spec = oiio.ImageSpec(16, 12, 3, oiio.UINT16)
     spec.channelnames = ("I", "I2", "I3")  # as OpenImageIO calls those of ImageMagick's Cineon
     assert color_channels(Path("a.cin"), spec) == [0, 1, 2]
+
+
+def test_a_mended_jpeg_that_is_none_is_told_by_no_name_but_its_own(tmp_path: Path) -> None:
+    (tmp_path / "a.jpg").write_bytes(b"\xff\xd8junk")
+    with pytest.raises(PhotoError) as told:
+        read_photo(tmp_path / "a.jpg")
+    assert str(told.value).count("/") == str(tmp_path / "a.jpg").count("/")

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from facecrf_ocio.chart.reflectances import COLUMNS, ROWS
 from facecrf_ocio.values import Float
 
+_LEAST_SIDE = 32  # [px] a chart takes more, and its detector crashes on one row
 _SIDE = 1000  # [px] long side at which the detector looks: patches of 10 to 150 px are found there
 _HALF = 0.435  # of the distance between patches: half of a patch's width
 # Outer corners of the patches, from the chart's upper left around.
@@ -50,10 +51,11 @@ def turned(homography: Float) -> list[Float]:
 def find_chart(encoded: npt.NDArray[np.float32]) -> Float | None:
     """As `by_corners`, of the surest chart with 24 patches in a picture; None without one."""
     mcc: Any = getattr(cv2, "mcc", None)
-    if mcc is None:
-        return None
     scale = min(1.0, _SIDE / max(encoded.shape[:2]))
-    small = cv2.resize(encoded, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+    height, width = (round(scale * edge) for edge in encoded.shape[:2])
+    if mcc is None or min(height, width) < _LEAST_SIDE:
+        return None
+    small = cv2.resize(encoded, (width, height), interpolation=cv2.INTER_AREA)
     detector = mcc.CCheckerDetector_create()
     detector.setColorChartType(mcc.MCC24)
     # The detector is asked for its chart only where it has one: it crashes otherwise.

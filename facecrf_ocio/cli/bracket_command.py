@@ -12,9 +12,13 @@ from facecrf_ocio.cli.options import PHOTO_PATH
 from facecrf_ocio.cli.output_files import OutputFiles, folder_option, measurement_options
 from facecrf_ocio.cli.terminal import USAGE, complain, ending_well, require_writable, tell
 from facecrf_ocio.errors import LutError, SettingsError
+from facecrf_ocio.files.plain_text import counted
 
 if TYPE_CHECKING:
     from facecrf_ocio.pair.calibrate_bracket import BracketEstimate
+
+
+_MOST_STOPS = 64.0  # a second to the age of the universe; more would overflow sums of squares
 
 
 def stops_option(command: Any) -> Any:
@@ -62,7 +66,11 @@ def _numbers(given: str, count: int) -> list[float]:
     except ValueError:
         raise SettingsError(f"--stops {given}: give numbers by commas, such as -2,0,2") from None
     if len(numbers) != count:
-        raise SettingsError(f"--stops gives {len(numbers)} exposures for {count} photos")
+        exposures, photos = counted(len(numbers), "exposure"), counted(count, "photo")
+        raise SettingsError(f"--stops gives {exposures} for {photos}, each named once")
+    wrong = next((number for number in numbers if not abs(number) <= _MOST_STOPS), None)
+    if wrong is not None:
+        raise SettingsError(f"--stops {wrong:g}: no camera's; give stops up to {_MOST_STOPS:.0f}")
     return numbers
 
 

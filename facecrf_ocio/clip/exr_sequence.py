@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Iterator
+from enum import Enum
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio import __version__
 from facecrf_ocio.clip.frame_list import Clip
+from facecrf_ocio.files.plain_text import complaint
 from facecrf_ocio.image.apply import WrittenExr, linear_rows, write_exr
 from facecrf_ocio.image.lookup import curve_lookup
 from facecrf_ocio.values import Estimate, InverseCRF
@@ -25,20 +28,22 @@ def write_sequence(
 
     What an EXR does not hold is known of those that are written now.
     `estimates` gives the one of a frame's index. A frame is there if its EXR names the same curve
-    and the same frame.
+    and the same frame, and goes on to its last row; one that ends before is written again.
     """
     targets = [folder / f"{clip.name}.{n + 1:04d}.exr" for n in range(len(clip.times))]
     folder.mkdir(parents=True, exist_ok=True)
-    wanted = []
+    wanted: dict[int, bool] = {}  # frames to write, and whether over what is there
     # Both once a curve, of which there are few.
     digest, lookup = cache(_digest), cache(curve_lookup)
     for index, target in enumerate(targets):
-        if _is_there(target, digest(estimates(index).curve), clip.names[index]):
+        there = _found(target, digest(estimates(index).curve), clip.names[index])
+        if there is _Found.WHOLE:
             yield WrittenExr(target), True
         else:
-            wanted.append(index)
-    for begin in range(0, len(wanted), _READ_AT_ONCE):
-        part = wanted[begin : begin + _READ_AT_ONCE]
+            wanted[index] = overwrite or there is _Found.CUT_SHORT
+    numbers = list(wanted)
+    for begin in range(0, len(numbers), _READ_AT_ONCE):
+        part = numbers[begin : begin + _READ_AT_ONCE]
         for index, photo in zip(part, clip.read(part), strict=True):
             estimate = estimates(index)
             provenance = {
@@ -53,10 +58,8 @@ def write_sequence(
             rows = (
                 photo.encoded if photo.scene_linear else linear_rows(photo, lookup(estimate.curve))
             )
-            yield (
-                write_exr(targets[index], rows, photo, provenance=provenance, overwrite=overwrite),
-                False,
-            )
+            how: dict[str, Any] = {"provenance": provenance, "overwrite": wanted[index]}
+            yield write_exr(targets[index], rows, photo, **how), False
 
 
 def _digest(curve: InverseCRF) -> str:
@@ -71,14 +74,27 @@ def timecode(seconds: float, rate: float) -> str:
     return f"{second // 3600:02d}:{second // 60 % 60:02d}:{second % 60:02d}:{rest:02d}"
 
 
-def _is_there(path: Path, digest: str, frame: str) -> bool:
-    if not path.exists():
-        return False
-    source = oiio.ImageInput.open(str(path))
+class _Found(Enum):
+    """What stands where a frame's EXR goes."""
+
+    WHOLE = "the frame by the same curve"
+    CUT_SHORT = "the same, which ends before its last row"
+    OTHER = "something else, or nothing"
+
+
+def _found(path: Path, digest: str, frame: str) -> _Found:
+    source = oiio.ImageInput.open(str(path)) if path.exists() else None
     if source is None:
-        oiio.geterror()
-        return False
+        complaint(oiio.geterror)
+        return _Found.OTHER
     spec = source.spec()
-    source.close()
     said = (spec.get_string_attribute("facecrf:curve"), spec.get_string_attribute("facecrf:frame"))
-    return said == (digest, frame)
+    if said != (digest, frame):
+        found = _Found.OTHER
+    else:
+        end = spec.y + spec.height
+        last = source.read_scanlines(end - 1, end, spec.z, 0, spec.nchannels, oiio.HALF)
+        found = _Found.CUT_SHORT if last is None or source.has_error else _Found.WHOLE
+    complaint(source.geterror)
+    source.close()
+    return found

@@ -14,7 +14,7 @@ import OpenImageIO as oiio  # noqa: N813
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import complaint
 from facecrf_ocio.photo.integrity import COPY_AGAIN
-from facecrf_ocio.photo.picture import Picture
+from facecrf_ocio.photo.picture import MENDED, Picture
 from facecrf_ocio.photo.pixels import Pixels, code_values, filled
 
 _BAND_ROWS = 64  # [px] read at once: what a processor keeps near, 1 MB of a photo 6000 px wide
@@ -90,4 +90,5 @@ def _require_pixels(path: Path, source: Any, codes: Any) -> Pixels:
 def one_line(text: str, path: Path) -> str:
     """First line of a decoder's complaint, without the names of the file and of a mended copy."""
     first = re.sub(r' *\("[^"]*"\)', "", text.strip().partition("\n")[0])
-    return first.replace(f'"{path}"', "it").strip(" .")[:160]
+    first = re.sub(rf'"(?:{re.escape(str(path))}|[^"]*/{MENDED})"', "it", first)
+    return first.strip(" .")[:160]

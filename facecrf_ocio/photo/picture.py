@@ -77,6 +77,10 @@ class PhotoFile:
         self.__dict__.pop("jpeg", None)
 
 
+MENDED = "picture.jpg"
+"""Name of the copy of a mended JPEG, in a folder of its own."""
+
+
 @dataclass(slots=True)
 class Picture:
     """An open picture; `close` it.
@@ -128,7 +132,7 @@ def open_picture(file: PhotoFile) -> Picture | None:
 def _open_mended(jpeg: JpegParts, xmp: str) -> Picture | None:
     """OpenImageIO reads files alone, and takes an appended gain map for a part of the pixels."""
     folder = tempfile.TemporaryDirectory(prefix="facecrf-")
-    copy = Path(folder.name) / "picture.jpg"
+    copy = Path(folder.name) / MENDED
     copy.write_bytes(jpeg.picture)
     source = open_image(copy)
     if source is None:
