@@ -274,6 +274,19 @@ def test_a_face_outside_the_midtones_is_never_reliable(evidence, codes, doubt):
     assert not doubt or told.verdict is not Verdict.RELIABLE
 
 
+def test_a_dark_face_leaves_more_error_to_expect_and_the_same_curve(evidence):
+    dark, bright = np.zeros((3, 64)), np.zeros((3, 64))
+    dark[:, 5], bright[:, 62] = 1.0, 1.0
+    plain, under, over = (
+        conclude([replace(evidence[0], coverage=coverage)])
+        for coverage in (evidence[0].coverage, dark, bright)
+    )
+    assert np.allclose(under.curve.linear, plain.curve.linear, rtol=0, atol=1e-12)
+    assert under.confidence.in_stops.mid > 1.2 * plain.confidence.in_stops.mid
+    assert under.confidence.sigma.mean() > 1.2 * plain.confidence.sigma.mean()
+    assert over.confidence.in_stops.mid == plain.confidence.in_stops.mid
+
+
 def test_one_face_in_the_midtones_is_enough(evidence):
     dark = np.zeros((3, 64))
     dark[:, 5] = 1.0

@@ -11,6 +11,7 @@ from facecrf_ocio.cameras.known_cameras import KnownCamera
 from facecrf_ocio.files.plain_text import counted
 from facecrf_ocio.joint.cue_weights import agreeing_shares
 from facecrf_ocio.joint.evidence import PhotoEvidence
+from facecrf_ocio.joint.face_exposure import doubts_of_exposure, stretch_of_exposure
 from facecrf_ocio.joint.fuse import average, multiply, widened
 from facecrf_ocio.joint.joint_model import JointModel, shipped_joint
 from facecrf_ocio.joint.known_response import (
@@ -23,7 +24,7 @@ from facecrf_ocio.joint.known_response import (
 from facecrf_ocio.joint.messages import COMBINED
 from facecrf_ocio.joint.metadata import UNTOLD
 from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior
-from facecrf_ocio.joint.verdict import deviations, doubted, judge, not_single, out_of_midtones
+from facecrf_ocio.joint.verdict import deviations, doubted, judge, not_single
 from facecrf_ocio.response.coverage import coverage_at
 from facecrf_ocio.response.expected_stops import verdict_of
 from facecrf_ocio.response.model import inverse_crf, strictly_increasing
@@ -103,7 +104,7 @@ def conclude(
     confidence = _confidence(telling, posterior, found, model, dissent)
     confidence = doubted(_with_cameras(confidence, telling, known, dissent), _doubts_of(named))
     if telling and not known:
-        confidence = doubted(confidence, out_of_midtones([e.coverage for e in telling]))
+        confidence = doubted(confidence, doubts_of_exposure([e.coverage for e in telling]))
     if not shared:
         agreed = {one: what for one, what in known.items() if _measured(what) not in dissent}
         found = in_channels(found, agreed, (one.camera for one in telling), model.prior)
@@ -214,9 +215,10 @@ def _fused(
     if not of_photos:
         return prior.posterior(None, weights), ()
     shares = agreeing_shares(of_photos, prior, weights)
+    stretches = {n: e.stretch * stretch_of_exposure(e.coverage) for n, e in telling.items()}
     outvoted += [photo for photo, share in shares.items() if share < 0.5]
     posteriors = [
-        widened(prior.posterior(message, weights), telling[photo].stretch)
+        widened(prior.posterior(message, weights), stretches[photo])
         for photo, message in of_photos.items()
     ]
     trust = [

@@ -6,14 +6,13 @@ sRGB is a statement of its own, `Confidence.differs_from_srgb`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 
 from facecrf_ocio.color.srgb import decode_srgb
 from facecrf_ocio.joint.prior import FamilyPrior, Posterior
-from facecrf_ocio.response.coverage import COVERAGE_BINS
 from facecrf_ocio.response.expected_stops import (
     CHECKED_EVERY,
     FEWEST,
@@ -23,18 +22,13 @@ from facecrf_ocio.response.expected_stops import (
     share_nearer,
     stops_of_draws,
 )
-from facecrf_ocio.response.stops import CODES, MID_CODES, places_of_codes, stops_of_light
+from facecrf_ocio.response.stops import places_of_codes, stops_of_light
 from facecrf_ocio.values import Confidence, Float, Index, InStops, InverseCRF, Verdict
 
 CHANNELS_APART = 0.16
 """Standard deviation of one channel's coefficients about those of all three, in units of the
 prior's: at codes 32 to 224 it is within a factor of 1.4 what 16 films of DoRF (root mean square of
 1.9 % of white over all codes) and 11 cameras solved from stacks (2.5 %) have in linear light."""
-_LEAST_IN_MIDTONES = 0.5
-"""Share of the face's pixels at the codes of which a verdict speaks. Two and three stops under, of
-photos with less 29 of 47 were called reliable rightly (rendered heads, responses held out) and 1 of
-21 (real linear ones), with more 15 of 15 and 0 of 1: such exposures are rare in training, and what
-is told of their error is no more than of others'."""
 _DRAWS = 512  # quantiles of so many vary by 2 %
 _PARTS = 32  # of them, for OpenBLAS: it shares a product of 2^18 multiplications and more
 
@@ -54,28 +48,6 @@ def doubted(confidence: Confidence, doubts: tuple[str, ...]) -> Confidence:
 def not_single(found: Iterable[str]) -> tuple[str, ...]:
     """Doubts that any one curve of a camera made a photo, by what was found."""
     return tuple(f"perhaps no single curve: {one}" for one in found)
-
-
-def out_of_midtones(coverages: Sequence[Float]) -> tuple[str, ...]:
-    """A doubt where no photo has half of its face at codes 64 to 235, of which a verdict speaks.
-
-    Parameters
-    ----------
-    coverages
-        (3, 64) share of each photo's evidence in each bin of encoded values.
-    """
-    low, high = (int(code * COVERAGE_BINS / len(CODES)) for code in MID_CODES)
-    shares = []
-    for coverage in coverages:
-        whole = max(float(coverage.sum()), 1e-12)
-        parts = np.split(coverage.sum(axis=0) / whole, (low, high + 1))
-        shares.append([float(part.sum()) for part in parts])
-    dark, midtones, bright = max(shares, key=lambda three: three[1])
-    if midtones >= _LEAST_IN_MIDTONES or not dark + bright:
-        return ()
-    if dark > bright:
-        return (f"the face is dark: {100 * dark:.0f} % of it below code {MID_CODES[0]}",)
-    return (f"the face is bright: {100 * bright:.0f} % of it above code {MID_CODES[1]}",)
 
 
 def judge(
