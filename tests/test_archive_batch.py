@@ -80,6 +80,7 @@ def test_verify_finds_what_is_missing_altered_and_extra(facecrf, archive, tmp_pa
     assert ended.code == 1
     told = set(ended.out.splitlines())
     assert told == {"missing: a.jpg.spi1d", "altered: a.png.spi1d", "extra: sub/mine.txt"}
+    assert "2 files are not as they were written, 1 file is extra" in ended.err
 
 
 def test_a_second_run_redoes_only_what_changed(facecrf, archive, tmp_path):

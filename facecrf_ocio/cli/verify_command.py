@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -39,7 +40,8 @@ def verify(folder: Path, as_json: bool, repair: bool) -> int:
     if repair:
         from facecrf_ocio.archive.repair import make_again
 
-        with status(f"making {counted(len(faults), 'file')} of {folder} again"):
+        made = sum(fault.photo != "" for fault in faults)
+        with status(f"making {counted(made, 'file')} of {folder} again"):
             problems = make_again(folder, faults)
         for problem in problems:
             complain(in_options(problem, "facecrf batch"), FAILED)
@@ -50,11 +52,20 @@ def verify(folder: Path, as_json: bool, repair: bool) -> int:
     if as_json:
         click.echo(json.dumps({"folder": str(folder), "exit_code": code, "faults": len(faults)}))
     elif faults:
-        are = "is not as it was" if len(faults) == 1 else "are not as they were"
-        complain(f"{folder}: {counted(len(faults), 'file')} {are} written", code)
+        complain(f"{folder}: {_in_sum(faults)}", code)
     else:
         say(f"{folder}: all files are as they were written")
     return code
+
+
+def _in_sum(faults: Sequence[Fault]) -> str:
+    """How many files are not as they were written, and how many were not written at all."""
+    extra = sum(fault.photo == "" for fault in faults)
+    wrong = len(faults) - extra
+    are = "is not as it was" if wrong == 1 else "are not as they were"
+    parts = [f"{counted(wrong, 'file')} {are} written"] if wrong else []
+    parts += [f"{counted(extra, 'file')} {'is' if extra == 1 else 'are'} extra"] if extra else []
+    return ", ".join(parts)
 
 
 def _tell(fault: Fault, as_json: bool) -> None:
