@@ -315,6 +315,25 @@ def test_the_advice_to_overwrite_is_enough(batch, facecrf, tmp_path):
     assert batch(output=tmp_path / "other").code == 0
 
 
+@pytest.mark.skipif(os.name == "nt", reason="there are no pipes")
+@pytest.mark.parametrize("put", [Path.mkdir, os.mkfifo], ids=["folder", "pipe"])
+def test_what_is_no_file_in_an_outputs_place_is_told_until_it_is_gone(
+    batch, facecrf, tmp_path, put
+):
+    assert batch().code == 0
+    lut = tmp_path / "luts" / "a.png.spi1d"
+    lut.unlink()
+    put(lut)
+    for _ in range(2):
+        ended = batch()
+        assert ended.code == 3
+        assert "a.png.spi1d: is not a regular file; move it away" in ended.err
+    lut.rmdir() if lut.is_dir() else lut.unlink()
+    assert batch().code == 0
+    assert lut.is_file()
+    assert facecrf("verify", tmp_path / "luts").code == 0
+
+
 # --- Nothing leads outside.
 
 

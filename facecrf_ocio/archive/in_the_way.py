@@ -35,6 +35,8 @@ def in_the_way(manifest: Manifest, task: Task, alike: Alike) -> Result | None:
             if problem is not None:
                 return problem
             path = task.place.inside(planned)
+            if path.exists() and not path.is_file():
+                return _failure(f"{path}: is not a regular file", "move it away, and start again")
             if os.path.lexists(path) and not task.overwrite and not _ours(manifest, planned):
                 wrong = f"{path}: exists already"
                 return _failure(wrong, OVERWRITE)

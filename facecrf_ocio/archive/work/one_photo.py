@@ -231,5 +231,7 @@ def failure_of(error: Exception) -> Result:
         reason = f"{error.target}: {error.problem}"
         return Result(FAILED, reason=plain_text(reason), remedy=OVERWRITE, lasting=lasting)
     reason = plain_text(str(error))
-    stop = isinstance(error, OutputError) and number in _DISK
-    return Result(FAILED, reason=reason, stop=reason if stop else "", lasting=lasting)
+    # What keeps an output from being written is not the photo's, and may be gone the next time.
+    place = isinstance(error, OutputError)
+    stop = reason if place and number in _DISK else ""
+    return Result(FAILED, reason=reason, stop=stop, lasting=lasting and not place)
