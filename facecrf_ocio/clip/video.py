@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -41,9 +42,13 @@ def open_video(path: Path) -> Clip:
                 raise PhotoError(path, "has sound and no pictures", "give a video with a face")
             stream = container.streams.video[0]
             told = float(container.duration or 0) / av.time_base  # by the header, where it tells
-            stamps = sorted(
-                packet.pts for packet in container.demux(stream) if packet.pts is not None
-            )
+            packets = [
+                (packet.pts, packet.is_keyframe)
+                for packet in container.demux(stream)
+                if packet.pts is not None
+            ]
+            stamps = sorted(stamp for stamp, _ in packets)
+            keys = sorted(stamp for stamp, is_key in packets if is_key)
             base = float(stream.time_base or 1.0)
             rate = float(stream.average_rate or 24.0)
             motion_jpeg = stream.codec_context.name == "mjpeg"
@@ -63,7 +68,7 @@ def open_video(path: Path) -> Clip:
         notes.append(f"it is cut short: it ends within a packet; {there:.1f} s are there")
 
     def read(indices: Sequence[int]) -> Iterator[Photo]:
-        return in_one_size(_frames(path, [stamps[index] for index in indices]))
+        return in_one_size(_frames(path, [stamps[index] for index in indices], keys))
 
     return Clip(
         path,
@@ -99,18 +104,24 @@ def _pyav(path: Path) -> Any:
     return av
 
 
-def _frames(path: Path, stamps: Sequence[int]) -> Iterator[Photo]:
-    """Photos of the frames with these time stamps; seeks where they lie far apart.
+def _frames(path: Path, stamps: Sequence[int], keys: Sequence[int]) -> Iterator[Photo]:
+    """Photos of the frames with these time stamps; `keys`, sorted, are those that need no other.
 
-    Of one that is damaged the next that is not takes the place, at the end of a file the last.
+    Seeks where a key frame lies on the way, and else goes on decoding, as a seek would begin at the
+    last key frame again. Of one that is damaged the next that is not takes the place, at the end of
+    a file the last.
     """
     av, sha256 = _pyav(path), sha256_of(path)
     with av.open(str(path)) as container:
         stream = container.streams.video[0]
         stream.thread_type = "AUTO"
+        coming, at = _whole(av, container), None
         for stamp in stamps:
-            container.seek(stamp, stream=stream, backward=True)
-            frame = _first(_whole(av, container), stamp)
+            if at is None or stamp <= at or bisect(keys, stamp) > bisect(keys, at):
+                container.seek(stamp, stream=stream, backward=True)
+                coming = _whole(av, container)
+            frame = _first(coming, stamp)
+            at = stamp if frame is not None and frame.pts == stamp else None
             if frame is None or frame.pts != stamp:
                 # Transport streams have no index, and a seek in them may go too far.
                 with av.open(str(path)) as anew:
