@@ -34,7 +34,8 @@ def course(exponents, stops=WANDERING):
         for exponent, stop in zip(exponents, stops, strict=True)
     ]
     three = np.repeat(np.array(codes)[:, :, None], 3, axis=2)
-    points = TrackedPoints(three, (three.min(axis=2) > 5) & (three.max(axis=2) < 247))
+    usable = (three.min(axis=2) > 5) & (three.max(axis=2) < 247)
+    points = TrackedPoints(three, usable, np.zeros((200, 2)))
     return course_of_points(FACES, points, TIMES, PRIOR)
 
 

@@ -14,7 +14,7 @@ from archive_photos import linear_face
 from facecrf_ocio.benchmark.images import find_linear_images
 from facecrf_ocio.benchmark.responses import read_responses
 from facecrf_ocio.clip.clip_source import open_clip
-from facecrf_ocio.clip.shared_light import add_points, drift_of_points
+from facecrf_ocio.clip.shared_light import add_points
 from facecrf_ocio.clip.tracked_points import TrackedPoints, track
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.joint import shipped_joint
@@ -40,7 +40,8 @@ def points(curves, stops=STOPS, count=200):
         for curve, stop in zip(curves, stops, strict=True)
     ]
     three = np.repeat(np.array(codes)[:, :, None], 3, axis=2)
-    return TrackedPoints(three, (three.min(axis=2) > 5) & (three.max(axis=2) < 247))
+    usable = (three.min(axis=2) > 5) & (three.max(axis=2) < 247)
+    return TrackedPoints(three, usable, np.zeros((count, 2)))
 
 
 @pytest.mark.parametrize("exponent", [1.8, 2.2, 2.6])
@@ -51,23 +52,6 @@ def test_exposures_that_files_tell_give_the_curve_whatever_faces_say(exponent):
     seen = (GRID > 0.25) & (GRID < 0.85)
     apart = np.log2(ours[seen] / curve[seen])
     assert np.abs(apart - apart.mean()).max() < 0.03  # [stop]
-
-
-def drift(curves, stops):
-    return drift_of_points(KNOWN_NOTHING, points(curves, stops), np.linspace(-0.5, 0.5, 6), PRIOR)
-
-
-def test_a_drift_is_seen_where_there_is_one_and_none_where_there_is_none():
-    back_and_forth = np.array([0.0, 0.8, -0.7, -1.0, 1.0, 0.2])
-    still, _ = drift([GRID**2.2] * 6, back_and_forth)
-    moved, error = drift([GRID**e for e in np.linspace(2.1, 2.3, 6)], back_and_forth)
-    assert still < 0.002
-    assert moved > max(0.003, 3.0 * error)
-
-
-def test_a_drift_that_exposure_could_feign_is_not_sure():
-    rising, error = drift([GRID**2.2] * 6, STOPS)
-    assert rising < 3.0 * error
 
 
 def test_points_are_followed_through_movement_and_exposure():

@@ -107,12 +107,12 @@ def _notes(opened: Clip, found: ClipEstimate) -> tuple[str, ...]:
         numbers = ", ".join(str(index + 1) for index in found.frames)
         notes.append(f"frames {numbers} of {len(opened.times)}")
         notes.append(f"the face's light varies by {found.exposure_stops:.1f} stops")
-        drifts = "drifts" if found.drifts else "does not drift"
+        drifts = "drifts" if found.drift.is_sure else "is not seen to drift"
         notes.append(
-            f"the curve {drifts}: where the scene shows it, both ends lie {found.drift:.4f} apart "
-            f"(standard error {found.drift_error:.4f})"
+            f"the curve {drifts}: where the scene shows it, both ends lie {found.drift.stops:.3f} "
+            f"stops apart (standard error {found.drift.error:.3f})"
         )
-        if found.drifts:
+        if found.drift.is_sure:
             notes.append(_course(found))
         if found.exposures_told:
             notes.append("the files tell exposures that differ, which show the curve as a bracket")

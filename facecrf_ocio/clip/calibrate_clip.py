@@ -10,7 +10,7 @@ import numpy as np
 
 from facecrf_ocio.calibrate import calibrate
 from facecrf_ocio.clip.chosen_frames import ChosenFrame, choose_frames
-from facecrf_ocio.clip.clip_estimate import ClipEstimate, Shot, Stretch, is_drift
+from facecrf_ocio.clip.clip_estimate import ClipEstimate, Shot, Stretch
 from facecrf_ocio.clip.curve_course import (
     CurveCourse,
     Levels,
@@ -18,12 +18,13 @@ from facecrf_ocio.clip.curve_course import (
     levels_of,
     posterior_at,
 )
+from facecrf_ocio.clip.curve_drift import drift_of_curves, drift_of_points
 from facecrf_ocio.clip.frame_list import Clip
 from facecrf_ocio.clip.frame_noise import Image, noise_levels
 from facecrf_ocio.clip.jpeg_frames import holds_jpeg
 from facecrf_ocio.clip.noise_light import add_noise
-from facecrf_ocio.clip.shared_light import add_points, drift_of_points
-from facecrf_ocio.clip.tracked_points import TrackedPoints, track
+from facecrf_ocio.clip.shared_light import add_points
+from facecrf_ocio.clip.tracked_points import FEWER, TrackedPoints, thinned, track
 from facecrf_ocio.joint import (
     JointModel,
     PhotoEvidence,
@@ -49,7 +50,6 @@ that no band is too narrow."""
 
 _LEAST_STOPS = 0.3  # [stop] of exposures that tell anything of the curve
 _SAME_SHOT = 0.5  # correlation of the brightness ranks of thumbnails, 32 x 18
-_FEWEST = 4  # frames that a drift is told from
 _PAIRS = 6  # of frames that follow one another, whose noise is measured; more tell hardly more
 
 
@@ -92,7 +92,8 @@ def calibrate_clip(
     evidence = [one.evidence for one in chosen]
     shots = _grouped(chosen)
     longest = max(shots, key=len)
-    points = track([one.small for one in longest]) if len(longest) > 1 else None
+    followed = track([one.small for one in longest]) if len(longest) > 1 else None
+    points = None if followed is None else thinned(followed, FEWER)
     told = _told_stops(longest)
     besides = _Besides(clip, longest, points, told, model)
     shared = settings is not None and settings.shared_curve
@@ -102,12 +103,12 @@ def calibrate_clip(
     alone = tuple(concluded([one]) for one in evidence)
     stretches: tuple[Stretch, ...] = ()
     evenly = feigned = False
-    if points is None:
-        drift, error = _drift([one.curve.linear[0] for one in alone])
+    if followed is None or points is None:
+        drift = drift_of_curves([one.curve for one in alone])
     else:
         times = np.array([one.index for one in longest]) / (len(clip.times) - 1) - 0.5
-        drift, error = drift_of_points(besides.faces, points, times, model.prior)
-        if is_drift(drift, error):
+        drift = drift_of_points(besides.faces, followed, times, model.prior, model.band_scale)
+        if drift.is_sure:
             course = course_of_points(besides.faces, points, times, model.prior)
             feigned = course.with_exposure
             levels = None if feigned else levels_of(course.places, times)
@@ -119,7 +120,6 @@ def calibrate_clip(
         tuple(one.index for one in chosen),
         _shots(shots, pool(), concluded, model),
         drift,
-        error,
         float(np.ptp(light)),
         alone,
         points is not None and told is not None,
@@ -223,17 +223,6 @@ def _told_stops(shot: Sequence[ChosenFrame]) -> Float | None:
         [one.iso for one in told],
     )
     return stops if np.ptp(stops) >= _LEAST_STOPS else None
-
-
-def _drift(curves: Sequence[Float]) -> tuple[float, float]:
-    """RMSE between the mean curves of the first and last third, and its standard error."""
-    if len(curves) < _FEWEST:
-        return 0.0, 0.0
-    third = max(2, len(curves) // 3)
-    first, last = np.array(curves[:third]), np.array(curves[-third:])
-    apart = first.mean(axis=0) - last.mean(axis=0)
-    scatter = (first.var(axis=0, ddof=1) + last.var(axis=0, ddof=1)) / third
-    return float(np.sqrt((apart**2).mean())), float(np.sqrt(scatter.mean()))
 
 
 def _grouped(chosen: Sequence[ChosenFrame]) -> list[list[ChosenFrame]]:

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from facecrf_ocio.clip.curve_drift import Drift
 from facecrf_ocio.values import Estimate
-
-_SURE = 3.0  # standard errors from which a difference between both ends is a drift
-_LEAST_DRIFT = 0.003  # RMSE where points lie; clips without drift show 0.0015 at most
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,9 +56,7 @@ class ClipEstimate:
     shots
         Parts between cuts.
     drift
-        RMSE between the curves of both ends, over the codes that the scene shows.
-    drift_error
-        Standard error of that.
+        How far the curves of both ends lie apart over the codes that the scene shows.
     exposure_stops
         [stop] How much the brightness of the face's light varied, from least to most.
     alone
@@ -80,8 +76,7 @@ class ClipEstimate:
     estimate: Estimate
     frames: tuple[int, ...] = ()
     shots: tuple[Shot, ...] = ()
-    drift: float = 0.0
-    drift_error: float = 0.0
+    drift: Drift = Drift()  # noqa: RUF009 -- frozen
     exposure_stops: float = 0.0
     alone: tuple[Estimate, ...] = ()
     exposures_told: bool = False
@@ -89,11 +84,6 @@ class ClipEstimate:
     stretches: tuple[Stretch, ...] = ()
     evenly: bool = False
     maybe_feigned: bool = False
-
-    @property
-    def drifts(self) -> bool:
-        """Whether the curve changes over time, beyond doubt."""
-        return is_drift(self.drift, self.drift_error)
 
     def of_frame(self, index: int) -> Estimate:
         """The curve of a frame: that of the used frame nearest to it."""
@@ -103,8 +93,3 @@ class ClipEstimate:
             if nearest in part.frames and part.estimate is not None:
                 return part.estimate
         return self.estimate
-
-
-def is_drift(drift: float, error: float) -> bool:
-    """Whether a difference between both ends, of this standard error, is beyond doubt."""
-    return drift > max(_LEAST_DRIFT, _SURE * error)

@@ -28,7 +28,6 @@ _ALIKE, ALIKE_IN_TIME = 30.0, 3.0
 # Variance of each coefficient that is added to what faces leave: they tell how bright a curve is,
 # and not its finest bends, which points tell better. In units of the prior's.
 _FINE = 1.0
-_SEEN = (0.02, 0.98)  # quantiles of the codes between which a drift is seen
 _DRIFT = 0.3  # standard deviation of a drift, in units of the prior's
 
 
@@ -62,26 +61,6 @@ def add_points(
     return Posterior(np.ones(1), found[None, :size], left[None, :size, :size] / scale**2)
 
 
-def drift_of_points(
-    faces: Posterior, points: TrackedPoints, times: Float, prior: FamilyPrior
-) -> tuple[float, float]:
-    """RMSE between the curves of both ends of a clip, where points lie, and its standard error.
-
-    Parameters
-    ----------
-    faces
-        Coefficients of the curve by the faces.
-    points
-        The same points in J frames.
-    times
-        (J,) of the frames, -0.5 to 0.5 from first to last.
-    prior
-        Of the curves.
-    """
-    values = values_of(points, times, None)
-    return _drift(*solve_drift(faces, values, prior), values.codes, prior)
-
-
 def solve_drift(faces: Posterior, values: Values, prior: FamilyPrior) -> tuple[Float, Float]:
     """(2 M,) coefficients of the curve and of its change per unit of time; their covariance."""
     start = np.concatenate([faces.mean, np.zeros(faces.mean.size)])
@@ -111,22 +90,3 @@ def _solve(
         system = precision + joint[:-1, :-1]
         found = found + np.linalg.solve(system, precision @ (start - found) - joint[:-1, -1])
     return found, np.linalg.inv(system)
-
-
-def _drift(
-    found: Float, covariance: Float, codes: Float, prior: FamilyPrior
-) -> tuple[float, float]:
-    """RMSE between both ends of the clip where points lie, after their scale; its standard error.
-
-    The light of white, which no point has, goes with the exposures and is no drift.
-    """
-    size = found.size // 2
-    low, high = np.quantile(codes, _SEEN)
-    seen = (prior.grid >= low) & (prior.grid <= high)
-    root = prior.roots(found[:size])[seen]
-    light = root**2
-    change = 2.0 * root[:, None] * prior.basis.T[seen]
-    change -= np.outer(light, light @ change) / (light @ light)
-    spread = np.einsum("km,mn,kn->k", change, covariance[size:, size:], change)
-    drift = change @ found[size:]
-    return float(np.sqrt((drift**2).mean())), float(np.sqrt(spread.mean()))

@@ -15,7 +15,8 @@ SIDE = 384  # [px] longest side of frames while points are followed
 LOWEST, HIGHEST = 6.0, 246.0  # [code value] between which a patch is neither drowned nor clipped
 _PATCH = 4  # [px] of the small frames
 _FLAT = 3.0  # [code value] standard deviation within a patch: at edges flow is half a pixel off
-_MOST = 600  # patches; more tell the same again
+_MOST = 1600  # patches that are kept
+FEWER = 600  # of them for what is solved for time and again; more tell the same of a curve
 _BINS = 16  # of code values, of which equally many patches are taken
 _FEWEST = 40  # patches that tell anything
 
@@ -32,10 +33,13 @@ class TrackedPoints:
         (J, N, 3) mean code values of patches, 0 to 255.
     usable
         (J, N) where a patch is flat, and neither drowned nor clipped.
+    places
+        (N, 2) of the patches in the picture, x and y from 0 to 1.
     """
 
     codes: Float
     usable: Bool
+    places: Float
 
 
 def shrunk(encoded: Image) -> Image:
@@ -69,11 +73,13 @@ def track(frames: Sequence[Image]) -> TrackedPoints | None:
                 cv2.remap(frame, x + moved[..., 0], y + moved[..., 1], cv2.INTER_LINEAR),
                 np.float32,
             )
-        mean, rough = _patches(seen)
+        mean, rough, places = _patches(seen)
         codes.append(mean)
         inside = (mean.min(axis=1) >= LOWEST) & (mean.max(axis=1) <= HIGHEST)
         usable.append(inside & (rough < _FLAT))
-    return _thinned(np.stack(codes), np.stack(usable), len(frames) // 2)
+    followed = TrackedPoints(np.stack(codes), np.stack(usable), places)
+    found = thinned(followed, _MOST)
+    return found if found.codes.shape[1] >= _FEWEST else None
 
 
 def _equalized(frame: Image) -> npt.NDArray[np.uint8]:
@@ -82,23 +88,26 @@ def _equalized(frame: Image) -> npt.NDArray[np.uint8]:
     return np.asarray(cv2.equalizeHist(np.rint(255.0 * gray).astype(np.uint8)))
 
 
-def _patches(frame: Image) -> tuple[Float, Float]:
-    """(N, 3) means of patches and (N,) largest standard deviations within them [code value]."""
+def _patches(frame: Image) -> tuple[Float, Float, Float]:
+    """(N, 3) means of patches, (N,) largest deviations within them [code value], (N, 2) places."""
     rows, columns = frame.shape[0] // _PATCH, frame.shape[1] // _PATCH
     cut = frame[: rows * _PATCH, : columns * _PATCH].astype(np.float64) * 255.0
     blocks = cut.reshape(rows, _PATCH, columns, _PATCH, 3)
     rough = blocks.std(axis=(1, 3)).max(axis=2)
-    return blocks.mean(axis=(1, 3)).reshape(-1, 3), rough.reshape(-1)
+    y, x = (np.mgrid[:rows, :columns] + 0.5) * _PATCH
+    places = np.stack([x / frame.shape[1], y / frame.shape[0]], axis=-1)
+    return blocks.mean(axis=(1, 3)).reshape(-1, 3), rough.reshape(-1), places.reshape(-1, 2)
 
 
-def _thinned(codes: Float, usable: Bool, reference: int) -> TrackedPoints | None:
-    """As many dark patches as bright ones, each usable in two frames and more."""
-    told = np.flatnonzero(usable.sum(axis=0) >= 2)
-    bright = codes[reference, told].mean(axis=1)
+def thinned(points: TrackedPoints, most: int) -> TrackedPoints:
+    """As many dark patches as bright ones of the middle frame, each usable in two frames and more.
+
+    Fewer than `most` where the scene has no more.
+    """
+    told = np.flatnonzero(points.usable.sum(axis=0) >= 2)
+    bright = points.codes[len(points.codes) // 2, told].mean(axis=1)
     bins = np.minimum((bright * _BINS / 256.0).astype(np.intp), _BINS - 1)
     generator = np.random.default_rng(0)
-    kept = [generator.permutation(told[bins == index])[: _MOST // _BINS] for index in range(_BINS)]
+    kept = [generator.permutation(told[bins == index])[: most // _BINS] for index in range(_BINS)]
     chosen = np.sort(np.concatenate(kept))
-    if len(chosen) < _FEWEST:
-        return None
-    return TrackedPoints(codes[:, chosen], usable[:, chosen])
+    return TrackedPoints(points.codes[:, chosen], points.usable[:, chosen], points.places[chosen])
