@@ -31,7 +31,7 @@ from facecrf_ocio.clip.tracked_points import TrackedPoints
 from facecrf_ocio.joint.prior import FamilyPrior, Posterior
 from facecrf_ocio.values import CHANNELS, Float, Index, InverseCRF
 
-# F of a change from which it is told, by 230 clips: of 115 with one 93 show more, of 115 without ten.
+# F of a change from which it is told, by 230 clips: of 115 with one 93 show more, without one ten.
 _SURE = 7.5
 _ROUNDS = 3  # of places on the curve
 _REWEIGHTED = 2  # times a round
@@ -49,15 +49,16 @@ _TILES = 7  # parts of the picture, a side, that err each in their own way
 _SPAN = (0.005, 0.995)  # quantiles of the codes over which bends are laid
 _SHOWN = (0.05, 0.88)  # codes over which a change counts: beyond, codes are few or coarse
 _SAMPLES = 64  # of those codes
-# [stop, code] by which encoders and resampling change the curve at all, over how many codes they do
-# so alike; and the share of light that moves over the picture which may go with codes, as shading
-# does, and be left by smooth fields. By the same clips, of 0.006 to 0.012 and 0 to 0.7.
+# [stop, code] by which encoders and resampling change the curve at all, over how many codes they
+# do so alike. By the same clips, of 0.006 to 0.012.
 _ALWAYS, _ALIKE_CODES = 0.006, 0.15
+# Of light that moves over the picture: what may go with codes, as shading does, and be left by
+# smooth fields. By the same clips, of 0 to 0.7.
 _LEAKS = 0.1
 # [stop over the clip] of exposures that go one way, below which a change of the curve alone passes
 # for them: of 0.03 (RMSE) for 0.23 at most.
 _PASSES = 0.2
-_FEWEST_FRAMES = 4
+_FEWEST_FRAMES = 4  # that show a change beside their scatter
 _FEW = 1.5  # of a standard error by few frames, which is not sure itself
 _FEWEST_TILES = 2 * CHANGES  # that show how parts of the picture disagree
 
