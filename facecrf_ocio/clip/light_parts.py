@@ -28,7 +28,7 @@ SQUARE, CUBE = 0.06, 0.015
 _FINE = 0.3
 _WAVES, _WAVES_TOGETHER = 4, 5  # half waves of light over width or height, and over both
 # Up to so many, light moves freely from frame to frame, and not only with time: a gradient, and how
-# it bends. Without, light that wandered feigned 0.1 stops.
+# it bends. Without, light that wandered feigned 0.2 stops.
 _FREE_WAVES = 2
 _FIELD_STOPS = 0.1  # [stop] standard deviation of one half wave; of more of them less
 _LEAST_ROOT = 0.02  # of the root of light, where the logarithm would run away
