@@ -14,6 +14,7 @@ from command_line import write_noise
 from face_photos import grace_hopper
 from PIL import Image
 
+from facecrf_ocio.benchmark import archive_cost
 from facecrf_ocio.benchmark.archive_cost import ArchiveCost, Cost, calibrate_loop, measure_archive
 from facecrf_ocio.cli.facecrf import main
 from facecrf_ocio.errors import SettingsError
@@ -26,6 +27,15 @@ def test_overhead_gain_and_its_bound_are_ratios_of_what_was_timed() -> None:
     assert "batch over calibrate: +5.0 % of time, +10.0 % of CPU" in text
     assert "2 jobs over one: 1.50 times the rate, 1.50 times with starting" in text
     assert "2 loops over one: 1.60 times the rate, 1.75 times with starting" in text
+
+
+def test_a_batch_is_told_by_the_least_that_few_photos_took_and_the_least_that_all_did(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    photos = [Path(f"{k}.jpg") for k in range(18)]
+    took = iter([(9.0, 2.0), (8.0, 5.0), (4.0, 3.0), (12.0, 4.0)])  # two, all; two, all
+    monkeypatch.setattr(archive_cost, "_timed", lambda *_: next(took))
+    assert archive_cost.batch_cost(photos, 1, 2) == Cost(0.25, 0.125, 2.25)
 
 
 def test_too_few_photos_are_refused() -> None:

@@ -24,6 +24,7 @@ from facecrf_ocio.files.threads import limit_to_one_thread
 
 _COMMAND = "from facecrf_ocio.cli.facecrf import main; main()"
 _LOOP = "from facecrf_ocio.benchmark.archive_cost import calibrate_loop; calibrate_loop()"
+_UNCOMPILED = "PYTHONDONTWRITEBYTECODE"
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,9 +92,13 @@ class ArchiveCost:
         )
 
 
-def batch_cost(photos: Sequence[Path], jobs: int) -> Cost:
-    """Run `facecrf batch` on a few photos and on all; as `measure_archive` says."""
-    return _cost(lambda folder, some: _batch(folder, some, jobs), photos)
+def batch_cost(photos: Sequence[Path], jobs: int, repeat: int) -> Cost:
+    """Run `facecrf batch` on a few photos and on all, in turn, `repeat` times.
+
+    Of the least that each took: the least of differences would be the one whose run on a few was
+    hindered most.
+    """
+    return _cost(lambda folder, some: _batch(folder, some, jobs), photos, repeat)
 
 
 def _gain(one: Cost, several: Cost) -> str:
@@ -165,15 +170,24 @@ def _run(arguments: Sequence[str], photos: Sequence[Path]) -> None:
         input=names,
         capture_output=True,
         check=False,
+        env=installed(),
     )
     if done.returncode:
         said = done.stderr.decode(errors="replace").strip().rpartition("\n")[2]
         raise FaceCRFError(f"a command of the benchmark failed: {said}")
 
 
-def _cost(run: Callable[[Path, Sequence[Path]], None], photos: Sequence[Path]) -> Cost:
+def installed() -> dict[str, str]:
+    """The environment of a process that may keep what it compiles, as of an installed package."""
+    return {name: value for name, value in os.environ.items() if name != _UNCOMPILED}
+
+
+def _cost(
+    run: Callable[[Path, Sequence[Path]], None], photos: Sequence[Path], repeat: int = 1
+) -> Cost:
     few = photos[: max(2, len(photos) // 8)]
-    some, whole = _timed(run, few), _timed(run, photos)
+    rounds = [(_timed(run, few), _timed(run, photos)) for _ in range(repeat)]
+    some, whole = (tuple(map(min, zip(*runs, strict=True))) for runs in zip(*rounds, strict=True))
     more = len(photos) - len(few)
     return Cost((whole[0] - some[0]) / more, (whole[1] - some[1]) / more, len(photos) / whole[0])
 
