@@ -38,8 +38,8 @@ _BLIND = (
 )
 # `facecrf bench stress`, a day's photos through held-out DoRF responses; see docs/accuracy.md.
 _OURS = (
-    ("`facecrf calibrate`, rendered heads", "3.5", "12.5"),
-    ("`facecrf calibrate`, real photos", "8.4", "21.7"),
+    ("`facecrf calibrate`, rendered heads", "3.6", "12.8"),
+    ("`facecrf calibrate`, real photos", "8.3", "21.8"),
 )
 
 
