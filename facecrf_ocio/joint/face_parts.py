@@ -8,13 +8,14 @@ other way round, no camera's curve made the picture.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import cv2
 import numpy as np
 
 from facecrf_ocio.face import regions
 from facecrf_ocio.face.view import FaceView
-from facecrf_ocio.photo.pixels import Pixels, code_values
+from facecrf_ocio.photo.pixels import Float32, Pixels, code_values
 from facecrf_ocio.values import Bool, Float
 
 _EYES = (regions.RIGHT_LIDS, regions.LEFT_LIDS)
@@ -44,11 +45,10 @@ def odd_parts(view: FaceView, pixels: Pixels) -> tuple[str, ...]:
     pixels
         (H, W, 3) code values of the whole picture in [0, 1], or of 8 bits.
     """
-    codes = 255.0 * np.asarray(view.encoded, np.float64)
     found = []
     if _is_inverted(view):
         found.append("the eyes are brighter than the skin around them, as with brightness inverted")
-    if _is_swapped(view, codes, pixels):
+    if _is_swapped(view, pixels):
         found.append(
             "the skin is more blue than green, and more so than eyes, lips and picture, as with "
             "channels swapped"
@@ -81,18 +81,29 @@ def _above_skin(view: FaceView, luma: Float, parts: Sequence[Sequence[int]]) -> 
     return float(np.mean(above)) if above else 0.0
 
 
-def _is_swapped(view: FaceView, codes: Float, pixels: Pixels) -> bool:
-    usable = (codes.min(axis=2) > _CLIPPED[0]) & (codes.max(axis=2) < _CLIPPED[1])
-    blue = np.log((codes[..., 2] + 1.0) / (codes[..., 1] + 1.0))
-    parts = (view.geometry.bare_skin & usable, _eyes(view), _inside(view, regions.LIPS))
+def _is_swapped(view: FaceView, pixels: Pixels) -> bool:
+    planes: Any = cv2.split(view.encoded)
+    red, green, blue = planes
+    darkest = np.asarray(cv2.min(cv2.min(red, green), blue))
+    brightest = np.asarray(cv2.max(cv2.max(red, green), blue))
+    low, high = (code / 255 for code in _CLIPPED)
+    skin = view.geometry.bare_skin & (darkest > low) & (brightest < high)
+    parts = (skin, _eyes(view), _inside(view, regions.LIPS))
     if min(np.count_nonzero(part) for part in parts) < _FEWEST:
         return False
-    skin, eye, lip = (float(np.median(blue[part])) for part in parts)
+    of_skin, of_eyes, of_lips = (
+        float(np.median(_bluer(blue[part], green[part]))) for part in parts
+    )
     step = max(1, max(pixels.shape[:2]) // _SAMPLES)
     some = code_values(np.ascontiguousarray(pixels[::step, ::step]), 8)
-    _, green, all_blue = 255.0 * some.reshape(-1, 3).mean(axis=0, dtype=np.float64)
-    picture = float(np.log((all_blue + 1.0) / (green + 1.0)))
-    return skin > 0 and 3 * skin - eye - lip - picture > _BLUER
+    of_picture = cv2.mean(some)
+    picture = float(_bluer(np.array(of_picture[2]), np.array(of_picture[1])))
+    return of_skin > 0 and 3 * of_skin - of_eyes - of_lips - picture > _BLUER
+
+
+def _bluer(blue: Float32, green: Float32) -> Float:
+    """Log ratio of encoded values, which a code more in each keeps from that of nothing."""
+    return np.asarray(np.log((255.0 * blue + 1.0) / (255.0 * green + 1.0)))
 
 
 def _eyes(view: FaceView) -> Bool:
