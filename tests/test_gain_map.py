@@ -180,7 +180,7 @@ def fraction_by_zero() -> bytes:
         (ultra_hdr_numbers(GainMapMax=2, Gamma=0), "make no sense"),
         (ultra_hdr_numbers(GainMapMax=2, GainMapMin=3), "make no sense"),
         (ultra_hdr_numbers(GainMapMax=2, OffsetSDR=-1), "make no sense"),
-        (ultra_hdr_numbers(GainMapMax=2, OffsetHDR=1e9), "make no sense"),
+        (ultra_hdr_numbers(GainMapMax=2, OffsetHDR=1e9), "leaves nothing of the light"),
         (ultra_hdr_numbers(GainMapMax=2, OffsetSDR=1e9), "make no sense"),
         (ultra_hdr_numbers(GainMapMax=[1, 2]), "2 numbers"),
         (ultra_hdr_numbers(GainMapMax=2, BaseRenditionIsHDR="True"), "itself is the HDR"),

@@ -180,7 +180,8 @@ def misfit(evidence: PhotoEvidence, estimate: Estimate, model: JointModel | None
     own, _ = _fused({"photo": evidence}, model.prior, weights, {})
     offset = own.mean - estimate.coefficients[0]
     distance = float(offset @ np.linalg.solve(own.covariance, offset))
-    return float(np.sqrt(distance / offset.size))
+    # An edit makes a face dark as well, and must not hide behind that: limits are of what cues say.
+    return float(np.sqrt(distance / offset.size)) * stretch_of_exposure(evidence.coverage)
 
 
 def _fused(

@@ -32,6 +32,7 @@ _SEVERAL, _BASE_SPACE, _COMMON_DENOMINATOR = 0x80, 0x40, 0x08
 _MOST_PICTURES = 8  # looked at in what follows the photo; phones append two or three
 _MOST_STOPS = 16.0
 """[stop] of gain; float16 ends at 16, and phones write 2 to 6."""
+_MOST_OFFSET = 64.0  # [white] a map of Adobe's has 6.7
 
 
 class GainMapError(ValueError):
@@ -181,10 +182,12 @@ def _three(numbers: Any) -> Float:
 
 
 def _checked(*given: Float) -> tuple[Float, ...]:
-    low, high, gamma, *offsets = numbers = np.array(given)
+    low, high, gamma, base_offset, offset = numbers = np.array(given)
     sound = np.isfinite(numbers).all() and (gamma > 0).all() and (high >= low).all()
-    # Below 0 libultrahdr refuses offsets, and above white they would leave nothing of the light.
-    sound &= np.min(offsets) >= 0 and np.max(offsets) <= 1
+    # Below 0 libultrahdr refuses offsets.
+    sound &= min(base_offset.min(), offset.min()) >= 0 and base_offset.max() <= _MOST_OFFSET
     if not sound or np.abs([low, high]).max() > _MOST_STOPS:
         raise GainMapError("its numbers make no sense")
+    if ((1 + base_offset) * 2**high <= offset).any():
+        raise GainMapError("it leaves nothing of the light")
     return given
