@@ -17,8 +17,10 @@ from mutations import mutated
 
 from facecrf_ocio.errors import LutError
 from facecrf_ocio.image.lut_lookup import lut_lookup
+from facecrf_ocio.lut import ocio_child
 from facecrf_ocio.lut.format_table import FORMATS
 from facecrf_ocio.lut.lint import lint
+from facecrf_ocio.lut.ocio_processor import RefusedError
 from facecrf_ocio.lut.transform import LutTransform
 from facecrf_ocio.values import InverseCRF
 
@@ -117,6 +119,20 @@ def apply_end(path: Path) -> str:
         return "refused"
     assert np.isfinite(found).all()
     return "applied"
+
+
+@pytest.mark.parametrize(
+    ("given", "told"), [(["", "no table"], "no table"), (["", ""], "it gives no reason")]
+)
+def test_a_reason_that_is_not_given_is_asked_for_once_more(
+    given: list[str], told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(path: Path, *, quiet: bool) -> None:
+        raise RefusedError(given.pop(0))
+
+    monkeypatch.setattr(ocio_child, "ocio_processor", refuse)
+    assert ocio_child._reason(Path("a.cube")) == told
+    assert given == []
 
 
 def test_a_reason_that_is_no_utf8_is_told_whole_and_hangs_nothing(tmp_path: Path) -> None:

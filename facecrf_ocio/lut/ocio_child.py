@@ -13,6 +13,7 @@ from pathlib import Path
 from facecrf_ocio.lut.ocio_processor import RefusedError, ocio_processor
 
 _MOST_WARNINGS = 20  # of OpenColorIO for one file, sent to whoever asked
+_MOST_ASKED = 2  # times: of a damaged file it gave none once, and its reason thousands of times
 _LEAST_MEMORY = 80 << 20
 """[byte] Addresses that any file may take; the largest that are published take a few megabytes."""
 
@@ -54,13 +55,17 @@ def _plain(text: str, path: str) -> str:
 
 
 def _reason(path: Path) -> str:
-    try:
-        ocio_processor(path, quiet=False)
-    except RefusedError as error:
-        return str(error) or "it gives no reason"
-    except MemoryError:
-        return "it asks for more memory than a LUT needs"
-    return ""
+    for _ in range(_MOST_ASKED):
+        try:
+            ocio_processor(path, quiet=False)
+        except RefusedError as error:
+            if str(error):
+                return str(error)
+        except MemoryError:
+            return "it asks for more memory than a LUT needs"
+        else:
+            return ""
+    return "it gives no reason"
 
 
 def _allow(seconds: float) -> None:
