@@ -15,7 +15,7 @@ import numpy as np
 
 from facecrf_ocio.face import regions
 from facecrf_ocio.face.view import FaceView
-from facecrf_ocio.photo.pixels import Float32, Pixels, code_values
+from facecrf_ocio.photo.pixels import Float32, Pixels, code_values, packed
 from facecrf_ocio.values import Bool, Float
 
 _EYES = (regions.RIGHT_LIDS, regions.LEFT_LIDS)
@@ -95,7 +95,7 @@ def _is_swapped(view: FaceView, pixels: Pixels) -> bool:
         float(np.median(_bluer(blue[part], green[part]))) for part in parts
     )
     step = max(1, max(pixels.shape[:2]) // _SAMPLES)
-    some = code_values(np.ascontiguousarray(pixels[::step, ::step]), 8)
+    some = code_values(packed(pixels[::step, ::step]), 8)
     of_picture = cv2.mean(some)
     picture = float(_bluer(np.array(of_picture[2]), np.array(of_picture[1])))
     return of_skin > 0 and 3 * of_skin - of_eyes - of_lips - picture > _BLUER
