@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from facecrf_ocio.errors import SettingsError
+from facecrf_ocio.files.smooth_arrays import smooth_array
 from facecrf_ocio.files.stored_arrays import load_arrays
 from facecrf_ocio.settings import PRIORS
 from facecrf_ocio.values import Float, Index, frozen
@@ -222,14 +223,12 @@ def _precisions(prior: FamilyPrior) -> _Precisions:
 
 def prior_of(arrays: Mapping[str, Float]) -> FamilyPrior:
     """The prior in the arrays of a file of weights."""
-    mean = arrays["prior_mean"]
+    mean = smooth_array(arrays, "prior_mean")
     return FamilyPrior(
         np.linspace(0.0, 1.0, mean.size),
         mean,
-        *(
-            arrays[f"prior_{name}"]
-            for name in ("basis", "weights", "means", "covariances", "family")
-        ),
+        smooth_array(arrays, "prior_basis"),
+        *(arrays[f"prior_{name}"] for name in ("weights", "means", "covariances", "family")),
     )
 
 

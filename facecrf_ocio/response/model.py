@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from facecrf_ocio.files.smooth_arrays import SMOOTH, smooth_array, smooth_bytes
+from facecrf_ocio.files.stored_arrays import load_arrays
 from facecrf_ocio.response.mixture import Mixture
 from facecrf_ocio.values import Float, InverseCRF, frozen
 
@@ -58,13 +61,13 @@ class ResponseModel:
 
     def save(self, path: Path) -> None:
         """Write the model as .npz, in single precision: 1e-7 of full scale, and half the bytes."""
-        np.savez_compressed(
-            path,
-            mean=self.mean.astype(np.float32),
-            basis=self.basis.astype(np.float32),
-            mixture_means=self.mixture.means.astype(np.float32),
-            mixture_covariances=self.mixture.covariances.astype(np.float32),
-        )
+        stored: dict[str, Any] = {
+            f"mean{SMOOTH}": smooth_bytes(self.mean),
+            f"basis{SMOOTH}": smooth_bytes(self.basis),
+            "mixture_means": self.mixture.means.astype(np.float32),
+            "mixture_covariances": self.mixture.covariances.astype(np.float32),
+        }
+        np.savez(path, **stored)
 
 
 def inverse_crf(grid: Float, samples: Float) -> InverseCRF:
@@ -89,13 +92,13 @@ def strictly_increasing(samples: Float | list[Float]) -> Float:
 
 def load_model(path: Path) -> ResponseModel:
     """Read a model written by `ResponseModel.save`."""
-    with np.load(path) as stored:
-        exact = {name: stored[name].astype(np.float64) for name in stored.files}
+    stored = load_arrays(path)
+    mean, basis = (smooth_array(stored, name).astype(np.float64) for name in ("mean", "basis"))
     return ResponseModel(
-        np.linspace(0.0, 1.0, exact["mean"].size),
-        exact["mean"],
-        _orthonormal(exact["basis"]),
-        Mixture(exact["mixture_means"], exact["mixture_covariances"]),
+        np.linspace(0.0, 1.0, mean.size),
+        mean,
+        _orthonormal(basis),
+        Mixture(*(stored[f"mixture_{n}"].astype(np.float64) for n in ("means", "covariances"))),
     )
 
 

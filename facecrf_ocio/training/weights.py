@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from facecrf_ocio.files.smooth_arrays import SMOOTH, smooth_bytes
 from facecrf_ocio.joint.familiarity import Familiarity
 from facecrf_ocio.joint.prior import FamilyPrior
 from facecrf_ocio.joint.whole_steps import STEP
@@ -44,8 +45,8 @@ def save_joint(
     """
     arrays: dict[str, Any] = {
         f"prior_{name}": np.asarray(getattr(prior, name), dtype=np.float32)
-        for name in ("mean", "basis", "weights", "means", "covariances", "family")
-    }
+        for name in ("weights", "means", "covariances", "family")
+    } | {f"prior_{name}{SMOOTH}": smooth_bytes(getattr(prior, name)) for name in ("mean", "basis")}
     for number, member in enumerate(members):
         for name, value in member.items():
             cue, part = name.split("/")
