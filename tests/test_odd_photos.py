@@ -24,6 +24,7 @@ from photo_files import (
     with_segments,
     write,
     write_dng,
+    write_spi1d,
 )
 from PIL import Image
 
@@ -450,3 +451,25 @@ def test_a_mended_jpeg_that_is_none_is_told_by_no_name_but_its_own(tmp_path: Pat
     with pytest.raises(PhotoError) as told:
         read_photo(tmp_path / "a.jpg")
     assert str(told.value).count("/") == str(tmp_path / "a.jpg").count("/")
+
+
+class TestNotesOnTheTerminal:
+    """What was mended or chosen is told wherever a photo is read, whatever comes of it."""
+
+    @pytest.fixture
+    def stray(self, tmp_path: Path) -> Path:
+        (tmp_path / "a.jpg").write_bytes(JPEG[:20] + b"\x01\x02\x03" + JPEG[20:])
+        return tmp_path / "a.jpg"
+
+    @pytest.mark.parametrize("command", ["calibrate", "linearize"])
+    def test_beside_a_refusal(self, facecrf, stray: Path, tmp_path: Path, command: str) -> None:
+        ended = facecrf(command, stray, "-o", tmp_path / "a.exr")
+        refusal, note = ended.err.splitlines()
+        assert "not calibrated" in refusal
+        assert note.startswith("  note: 3 stray bytes")
+        assert ended.code == 4
+
+    def test_of_a_photo_sent_through_a_lut(self, facecrf, stray: Path, tmp_path: Path) -> None:
+        lut = write_spi1d(tmp_path / "a.spi1d")
+        ended = facecrf("apply", stray, "--lut", lut, "-o", tmp_path / "a.exr")
+        assert "\n  note: 3 stray bytes" in ended.out

@@ -9,7 +9,7 @@ import click
 from facecrf_ocio.cli.linearize_command import require_exr_free, with_remedy
 from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import PHOTO_PATH, TEXT_PATH, exr_options
-from facecrf_ocio.cli.terminal import DONE, ending_well, one_line, say
+from facecrf_ocio.cli.terminal import DONE, ending_well, one_line, say, tell_notes
 
 
 @click.command()
@@ -43,9 +43,10 @@ def apply(
 
     require_exr_free(output, overwrite=overwrite)
     with status(f"applying {lut}"):
+        source = read_photo(photo)
         written = write_through_lut(
             output,
-            read_photo(photo),
+            source,
             lut,
             direction=direction,
             half=half,
@@ -53,7 +54,6 @@ def apply(
             overwrite=overwrite,
         )
     say(f"{photo}: sent through {lut}")
-    for note in with_remedy(written.notes):
-        say(f"  note: {note}")
+    tell_notes((*source.notes, *with_remedy(written.notes)))
     click.echo(one_line(f"  {written.path}"))
     return DONE

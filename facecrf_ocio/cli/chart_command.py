@@ -75,6 +75,6 @@ def chart(
         source = read_photo(photo)
         estimate = calibrate_chart(source, corners, edition=edition).estimate
         if estimate.found is None:
-            return tell(photo, estimate, (), as_json=as_json)
+            return tell(photo, estimate, (), notes=source.notes, as_json=as_json)
         written = outputs.write(photo, source, estimate, Settings())
-    return tell(photo, estimate, written, as_json=as_json)
+    return tell(photo, estimate, written, notes=source.notes, as_json=as_json)

@@ -30,6 +30,7 @@ from facecrf_ocio.cli.terminal import (
     require_writable,
     say,
     tell,
+    tell_notes,
 )
 from facecrf_ocio.errors import OutputError, SettingsError
 from facecrf_ocio.record.output_names import EXR, output_path
@@ -173,8 +174,7 @@ def _tell_rendition(path: Path, photo: Photo, written: WrittenExr) -> int:
     assert photo.gain_map is not None  # noqa: S101 - or it would not have been written
     what = f"{photo.gain_map.standard}, {headroom(photo.gain_map):.1f} stops of headroom"
     say(f"{path}: by its gain map ({what}): {NOT_PROVEN}")
-    for note in (*photo.notes, *with_remedy(written.notes)):
-        say(f"  note: {note}")
+    tell_notes((*photo.notes, *with_remedy(written.notes)))
     click.echo(one_line(f"  {written.path}"))
     return DONE
 

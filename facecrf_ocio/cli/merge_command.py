@@ -17,6 +17,7 @@ from facecrf_ocio.cli.terminal import (
     complain,
     ending_well,
     say,
+    tell_notes,
 )
 
 if TYPE_CHECKING:
@@ -82,8 +83,7 @@ def merge(
             overwrite=overwrite,
         )
     say(f"{output}: {len(photos)} exposures, curve by {estimate.estimator}")
-    for note in with_remedy(merged.notes):
-        say(f"  note: {note}")
+    tell_notes(with_remedy(merged.notes))
     for path, stop, gone in zip(photos, merged.stops, merged.moved, strict=True):
         say(f"  {path.name}: {stop:+.2f} stops, {100.0 * gone:.1f} % moved")
     for path, gone in zip(photos, merged.moved, strict=True):

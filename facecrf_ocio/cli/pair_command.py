@@ -61,4 +61,4 @@ def pair(
         estimate = calibrate_pair(light, photo).estimate
         bar.show("writing", 3, _STEPS)
         written = outputs.write(encoded, photo, estimate, Settings())
-    return tell(encoded, estimate, written, as_json=as_json)
+    return tell(encoded, estimate, written, notes=photo.notes, as_json=as_json)

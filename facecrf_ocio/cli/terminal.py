@@ -8,7 +8,7 @@ import os
 import shutil
 import sys
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
@@ -186,6 +186,12 @@ def tell_details(estimate: Estimate) -> None:
         say(f"  {line}")
 
 
+def tell_notes(notes: Iterable[str], *, err: bool = False) -> None:
+    """Print what was mended, chosen or cut on the way, a line each."""
+    for note in notes:
+        say(f"  note: {note}", err=err)
+
+
 def tell(
     path: Path,
     estimate: Estimate,
@@ -210,13 +216,13 @@ def tell(
     if estimate.found is None:
         message = f"{path}: {estimate.outcome}: {sentence(estimate, COMMAND_LINE)}"
         code = complain(message, NOTHING)
+        tell_notes(() if as_json else notes, err=True)
     elif not as_json:
         if told_before:
             say(str(path))
         else:
             tell_estimate(str(path), estimate)
-        for note in notes:
-            say(f"  note: {note}")
+        tell_notes(notes)
         if verbose and not told_before:
             tell_details(estimate)
         for file in written:
