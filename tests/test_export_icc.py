@@ -13,7 +13,7 @@ from PIL import Image, ImageCms
 from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.lut.formats.icc import colorants
 from facecrf_ocio.lut.write import write_lut
-from facecrf_ocio.photo.profile import primaries_from_icc
+from facecrf_ocio.photo.tags.profile import primaries_from_icc
 from facecrf_ocio.values import InverseCRF
 
 NODES = np.linspace(0.0, 1.0, 4096)

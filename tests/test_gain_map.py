@@ -20,8 +20,8 @@ from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
 from facecrf_ocio.color.srgb import decode_srgb
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.image.hdr_rendition import exact_base, hdr_rows, write_rendition
-from facecrf_ocio.photo.gain_map import APPLE
-from facecrf_ocio.photo.orientation import upright
+from facecrf_ocio.photo.decoding.gain_map import APPLE
+from facecrf_ocio.photo.decoding.orientation import upright
 from facecrf_ocio.values import GainMap
 
 Y, X = np.mgrid[:96, :128]

@@ -8,8 +8,8 @@ import weakref
 import numpy as np
 import pytest
 
-from facecrf_ocio.photo.halves import halved
-from facecrf_ocio.photo.pixels import Pixels
+from facecrf_ocio.photo.raster.halves import halved
+from facecrf_ocio.photo.raster.pixels import Pixels
 
 
 def photo_of(height: int, width: int, *, writeable: bool = False) -> Pixels:

@@ -14,7 +14,7 @@ from PIL import Image, features
 from facecrf_ocio import read_photo
 from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
 from facecrf_ocio.errors import PhotoError
-from facecrf_ocio.photo.exif import apple_headroom, load_exif
+from facecrf_ocio.photo.tags.exif import apple_headroom, load_exif
 
 CODES = np.clip(
     (np.indices((64, 96)).sum(axis=0)[..., None] * 6.0) * (1.0, 0.8, 0.6), 0, 1023

@@ -117,6 +117,24 @@ def test_imports_go_one_way():
     assert wrong == []
 
 
+# Of a room with rooms of its own, in the same order; its modules outside of them come last.
+PHOTO = ("raster", "containers", "tags", "decoding")
+
+
+def test_imports_go_one_way_in_the_room_of_photos():
+    def rank(name):
+        inside = name.removeprefix("facecrf_ocio.").replace("/", ".").split(".")[1]
+        return PHOTO.index(inside) if inside in PHOTO else len(PHOTO)
+
+    inside = [
+        (f"{file} imports {name}", rank(file), rank(name))
+        for file, name in IMPORTS
+        if file.startswith("photo/") and name.startswith("facecrf_ocio.photo.")
+    ]
+    assert {source for _, source, _ in inside} == set(range(len(PHOTO) + 1))
+    assert [text for text, source, target in inside if target > source] == []
+
+
 def test_no_two_units_import_each_other():
     graph = {name: set() for name in RANK}
     for _, source, target in own_imports():

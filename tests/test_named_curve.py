@@ -18,7 +18,7 @@ from facecrf_ocio import calibrate, read_photo
 from facecrf_ocio.color.signals import decode_film_scan, decode_hlg, decode_log, decode_pq
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.image.linearize import write_linear
-from facecrf_ocio.photo.named_curve import curve_of_profile, curve_of_scan
+from facecrf_ocio.photo.tags.named_curve import curve_of_profile, curve_of_scan
 from facecrf_ocio.values import Outcome, Verdict
 
 PROFILE = matrix_profile((0.64, 0.33), (0.3, 0.6), (0.15, 0.06), (0.3127, 0.329))

@@ -32,12 +32,12 @@ from facecrf_ocio import read_photo
 from facecrf_ocio.archive.walk import photos_under
 from facecrf_ocio.calibrate import assumptions_of
 from facecrf_ocio.errors import PhotoError
-from facecrf_ocio.photo.channels import color_channels
-from facecrf_ocio.photo.jpeg_segments import take_apart
-from facecrf_ocio.photo.no_photo import no_photo
-from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
-from facecrf_ocio.photo.suffixes import KINDS, PHOTO_SUFFIXES, RAW_SUFFIXES, kind_of
-from facecrf_ocio.photo.tiff_pages import holds_raw
+from facecrf_ocio.photo.containers.jpeg_segments import take_apart
+from facecrf_ocio.photo.containers.no_photo import no_photo
+from facecrf_ocio.photo.containers.suffixes import KINDS, PHOTO_SUFFIXES, RAW_SUFFIXES, kind_of
+from facecrf_ocio.photo.containers.tiff_pages import holds_raw
+from facecrf_ocio.photo.decoding.channels import color_channels
+from facecrf_ocio.photo.tags.profile import primaries_from_icc, profile_notes
 
 RAMP = np.tile(np.linspace(0, 255, 48).astype(np.uint8)[:, None], (1, 32))
 REC709 = ((0.64, 0.33), (0.3, 0.6), (0.15, 0.06), (0.3127, 0.329))

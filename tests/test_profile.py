@@ -13,9 +13,9 @@ from photo_files import matrix_profile, random_codes, write
 from PIL import Image, ImageCms
 
 from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
-from facecrf_ocio.photo.named_curve import curve_of_profile
-from facecrf_ocio.photo.profile import primaries_from_icc
 from facecrf_ocio.photo.read import read_photo
+from facecrf_ocio.photo.tags.named_curve import curve_of_profile
+from facecrf_ocio.photo.tags.profile import primaries_from_icc
 
 
 class TestPrimaries:

@@ -16,7 +16,7 @@ from PIL import Image, ImageOps
 
 from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
 from facecrf_ocio.errors import PhotoError
-from facecrf_ocio.photo.pixels import code_values
+from facecrf_ocio.photo.raster.pixels import code_values
 from facecrf_ocio.photo.read import read_photo
 
 ORIENTATION = 0x0112

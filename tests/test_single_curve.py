@@ -28,7 +28,7 @@ from facecrf_ocio.joint.single_curve import (
     strange_skin,
     toned,
 )
-from facecrf_ocio.photo.edits import edits_told, made_as_told
+from facecrf_ocio.photo.tags.edits import edits_told, made_as_told
 from facecrf_ocio.settings import JointSettings
 from facecrf_ocio.synthetic.jpeg import through_jpeg
 from facecrf_ocio.values import Camera, Lacking, Outcome, Verdict

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from facecrf_ocio.photo.smoothed_colors import as_stored
+from facecrf_ocio.photo.raster.smoothed_colors import as_stored
 
 
 def smoothed(stored: np.ndarray) -> np.ndarray:

@@ -16,10 +16,10 @@ from heif_files import Picture, avif_picture, box, heic_picture, with_map_item
 
 from facecrf_ocio import read_photo
 from facecrf_ocio.image.hdr_rendition import hdr_rows
-from facecrf_ocio.photo.exif import load_exif
-from facecrf_ocio.photo.gain_map import APPLE
-from facecrf_ocio.photo.heif import _gain_map
-from facecrf_ocio.photo.tone_map_item import tone_map_item
+from facecrf_ocio.photo.decoding.gain_map import APPLE
+from facecrf_ocio.photo.decoding.heif import _gain_map
+from facecrf_ocio.photo.decoding.tone_map_item import tone_map_item
+from facecrf_ocio.photo.tags.exif import load_exif
 
 SAMSUNG = "urn:com:samsung:photo:2024:aux:hdrgainmap"
 NUMBERS = iso_numbers([(0.0, 2.25, 1.0, 0.0, 0.0)])[4 + len(b"urn:iso:std:iso:ts:21496:-1\0") :]

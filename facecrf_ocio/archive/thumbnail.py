@@ -11,8 +11,8 @@ from PIL import Image
 from facecrf_ocio.archive.task import Thumbnail
 from facecrf_ocio.color.srgb import encode_srgb
 from facecrf_ocio.image.lookup import curve_lookup
-from facecrf_ocio.photo.halves import halved
-from facecrf_ocio.photo.pixels import Pixels, code_values
+from facecrf_ocio.photo.raster.halves import halved
+from facecrf_ocio.photo.raster.pixels import Pixels, code_values
 from facecrf_ocio.values import Estimate, InverseCRF, Outcome, Photo
 
 SIDE = 96

@@ -11,7 +11,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from facecrf_ocio.errors import PhotoError, reason_of
-from facecrf_ocio.photo.suffixes import PHOTO_SUFFIXES
+from facecrf_ocio.photo.containers.suffixes import PHOTO_SUFFIXES
 
 OTHER_SOFTWARE = (
     *("@eaDir", "#recycle", "#snapshot"),  # Synology

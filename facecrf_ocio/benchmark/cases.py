@@ -28,7 +28,7 @@ _MEASURED = (
     "*.py",
     *(f"{room}/**/*.{kind}" for room in ("face", "joint", "published") for kind in ("py", "npz")),
     *("response/*.py", "response/*.npz", "face/models/*.tflite", "face/models/*.onnx"),
-    *("photo/pixels.py", "color/primaries.py"),
+    *("photo/raster/pixels.py", "color/primaries.py"),
     *(f"benchmark/{name}.py" for name in ("cases", "folds", "joint_folds", "metrics", "responses")),
     *(f"benchmark/{name}.py" for name in ("conditions", "stress", "stress_camera")),
     *("benchmark/virtual_camera.py", "benchmark/workbench.py"),

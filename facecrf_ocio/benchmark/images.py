@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from facecrf_ocio.errors import PhotoError
-from facecrf_ocio.photo.picture import open_image
+from facecrf_ocio.photo.containers.suffixes import RAW_SUFFIXES, suffixes_named
+from facecrf_ocio.photo.decoding.picture import open_image
 from facecrf_ocio.photo.read import read_photo
-from facecrf_ocio.photo.suffixes import RAW_SUFFIXES, suffixes_named
 from facecrf_ocio.values import Photo
 
 _SUFFIXES = suffixes_named("OpenEXR", "Radiance HDR", "PNG", "TIFF") | RAW_SUFFIXES

@@ -20,8 +20,8 @@ from facecrf_ocio.benchmark.written import write_tables
 from facecrf_ocio.errors import FaceCRFError, PhotoError, reason_of
 from facecrf_ocio.files.versions import versions
 from facecrf_ocio.pair.calibrate_pair import calibrate_pair
+from facecrf_ocio.photo.containers.suffixes import RAW_SUFFIXES, suffixes_named
 from facecrf_ocio.photo.read import read_photo
-from facecrf_ocio.photo.suffixes import RAW_SUFFIXES, suffixes_named
 from facecrf_ocio.settings import Settings
 
 PAIRS = "pairs"

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.face.view import FaceView
-from facecrf_ocio.photo.picture import open_image
+from facecrf_ocio.photo.decoding.picture import open_image
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.synthetic import SyntheticSpec, render_face
 from facecrf_ocio.values import Float

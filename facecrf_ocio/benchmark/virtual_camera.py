@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.errors import SettingsError
-from facecrf_ocio.photo.pixels import is_gray
+from facecrf_ocio.photo.raster.pixels import is_gray
 from facecrf_ocio.synthetic.jpeg import through_jpeg
 from facecrf_ocio.values import Float, Photo, Primaries
 

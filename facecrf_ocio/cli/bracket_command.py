@@ -41,7 +41,7 @@ def solve(photos: tuple[Path, ...], given: str | None) -> BracketEstimate:
         calibrate_bracket,
         stops_by_exif,
     )
-    from facecrf_ocio.photo.integrity import check_file
+    from facecrf_ocio.photo.containers.integrity import check_file
     from facecrf_ocio.photo.shot import read_shot
     from facecrf_ocio.values import Photo
 

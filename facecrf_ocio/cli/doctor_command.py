@@ -19,7 +19,7 @@ def doctor() -> int:
     Exit code 1 if something that ships is not as it was made.
     """
     from facecrf_ocio.files.versions import versions
-    from facecrf_ocio.photo.readable import readable_kinds
+    from facecrf_ocio.photo.containers.readable import readable_kinds
 
     found = versions()
     for name, version in found.items():

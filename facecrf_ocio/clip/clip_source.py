@@ -10,8 +10,8 @@ from pathlib import Path
 from facecrf_ocio.clip.frame_list import Clip, in_one_size
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import counted
+from facecrf_ocio.photo.containers.suffixes import suffixes_named
 from facecrf_ocio.photo.read import read_photo
-from facecrf_ocio.photo.suffixes import suffixes_named
 from facecrf_ocio.values import Photo
 
 DEFAULT_RATE = 24.0  # [1/s] of a sequence, which does not tell

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from facecrf_ocio.photo.picture import PhotoFile, open_picture
+from facecrf_ocio.photo.decoding.picture import PhotoFile, open_picture
 
 
 def holds_jpeg(path: Path) -> bool:

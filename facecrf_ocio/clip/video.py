@@ -13,7 +13,7 @@ import numpy as np
 from facecrf_ocio.clip.frame_list import Clip, in_one_size
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.content import sha256_of
-from facecrf_ocio.photo.cicp import LINEAR, TRANSFERS
+from facecrf_ocio.photo.tags.cicp import LINEAR, TRANSFERS
 from facecrf_ocio.values import Photo
 
 _UNEVEN = 1.5  # longest distance between frames over the shortest: a rate that varies

@@ -16,7 +16,7 @@ from facecrf_ocio.face.landmarks import fit_landmarks
 from facecrf_ocio.face.pyramid import Pyramid
 from facecrf_ocio.face.tone import Tone, brightening_tone
 from facecrf_ocio.face.yunet import detect_yunet
-from facecrf_ocio.photo.pixels import Pixels, code_values
+from facecrf_ocio.photo.raster.pixels import Pixels, code_values
 from facecrf_ocio.settings import FaceSettings
 from facecrf_ocio.values import Face, Float
 

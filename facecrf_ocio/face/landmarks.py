@@ -12,7 +12,7 @@ from facecrf_ocio.face.candidate import Candidate
 from facecrf_ocio.face.networks import Network, load_network
 from facecrf_ocio.face.pyramid import Pyramid
 from facecrf_ocio.face.tone import Tone
-from facecrf_ocio.photo.pixels import Pixels, code_values
+from facecrf_ocio.photo.raster.pixels import Pixels, code_values
 from facecrf_ocio.values import Float
 
 _SIDE = 256  # [px] of the network's square input

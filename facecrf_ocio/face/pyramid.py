@@ -5,8 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from facecrf_ocio.photo.halves import halved
-from facecrf_ocio.photo.pixels import Pixels, code_values
+from facecrf_ocio.photo.raster.halves import halved
+from facecrf_ocio.photo.raster.pixels import Pixels, code_values
 from facecrf_ocio.values import Float
 
 

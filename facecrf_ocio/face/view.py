@@ -12,7 +12,7 @@ import numpy.typing as npt
 from facecrf_ocio.face.area_means import area_means
 from facecrf_ocio.face.geometry import FaceGeometry, face_geometry
 from facecrf_ocio.files.threads import OtherThread
-from facecrf_ocio.photo.pixels import Pixels, code_values, in_8_bits
+from facecrf_ocio.photo.raster.pixels import Pixels, code_values, in_8_bits
 from facecrf_ocio.settings import FaceSettings
 from facecrf_ocio.values import Face, Photo
 

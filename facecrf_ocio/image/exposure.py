@@ -10,7 +10,7 @@ import numpy as np
 from facecrf_ocio.color.primaries import LUMINANCE
 from facecrf_ocio.errors import PhotoError, SettingsError
 from facecrf_ocio.image.cheek import lit_cheek
-from facecrf_ocio.photo.pixels import code_values
+from facecrf_ocio.photo.raster.pixels import code_values
 from facecrf_ocio.values import Face, InverseCRF, Photo
 
 GRAY, SKIN = "gray", "skin"

@@ -11,7 +11,7 @@ import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio.color.primaries import CIE_XYZ
 from facecrf_ocio.files.plain_text import complaint, plain_text
-from facecrf_ocio.photo.picture import PhotoFile, open_picture
+from facecrf_ocio.photo.decoding.picture import PhotoFile, open_picture
 from facecrf_ocio.values import Photo, Primaries
 
 # Color Interop Forum, recommendation 03; other primaries have no identifier.

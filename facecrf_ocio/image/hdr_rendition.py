@@ -18,7 +18,7 @@ from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.color.srgb import decode_srgb
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.image.apply import WrittenExr, write_exr
-from facecrf_ocio.photo.unrounded import unrounded
+from facecrf_ocio.photo.decoding.unrounded import unrounded
 from facecrf_ocio.values import Float, GainMap, Photo, Primaries
 
 Float32 = npt.NDArray[np.float32]

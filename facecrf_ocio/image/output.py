@@ -11,7 +11,7 @@ import OpenImageIO as oiio  # noqa: N813
 from facecrf_ocio.errors import OutputError
 from facecrf_ocio.files.atomic import Draft, write_files
 from facecrf_ocio.files.plain_text import complaint
-from facecrf_ocio.photo.picture import open_image
+from facecrf_ocio.photo.decoding.picture import open_image
 
 
 def write_image_file(path: Path, write: Callable[[Path], str], *, overwrite: bool = False) -> Path:

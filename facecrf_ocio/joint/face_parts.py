@@ -15,7 +15,7 @@ import numpy as np
 
 from facecrf_ocio.face import regions
 from facecrf_ocio.face.view import FaceView
-from facecrf_ocio.photo.pixels import Float32, Pixels, code_values, packed
+from facecrf_ocio.photo.raster.pixels import Float32, Pixels, code_values, packed
 from facecrf_ocio.values import Bool, Float
 
 _EYES = (regions.RIGHT_LIDS, regions.LEFT_LIDS)

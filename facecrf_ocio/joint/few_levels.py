@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.photo.pixels import Pixels, eight_bit, packed
+from facecrf_ocio.photo.raster.pixels import Pixels, eight_bit, packed
 from facecrf_ocio.settings import JointSettings
 from facecrf_ocio.values import Float, Lacking
 

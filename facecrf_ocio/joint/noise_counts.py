@@ -32,7 +32,7 @@ from facecrf_ocio.joint.soft_edges import (
     SOFT_SIZES,
     count_soft_edges,
 )
-from facecrf_ocio.photo.pixels import Pixels, eight_bit
+from facecrf_ocio.photo.raster.pixels import Pixels, eight_bit
 from facecrf_ocio.values import CHANNELS, Bool, Float, frozen
 
 SIZES = 3

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.joint.few_levels import ORIGINAL, inside_face
-from facecrf_ocio.photo.pixels import Pixels, code_values, eight_bit, packed
+from facecrf_ocio.photo.raster.pixels import Pixels, code_values, eight_bit, packed
 from facecrf_ocio.settings import JointSettings
 from facecrf_ocio.values import Bool, Float, Lacking, Photo
 

@@ -27,7 +27,7 @@ from facecrf_ocio.joint.noise_counts import NoiseCounts, count_noise
 from facecrf_ocio.joint.second_differences import LEVELS
 from facecrf_ocio.joint.texture import noise_character
 from facecrf_ocio.joint.windows import Window, face_windows, photo_windows
-from facecrf_ocio.photo.pixels import Pixels
+from facecrf_ocio.photo.raster.pixels import Pixels
 from facecrf_ocio.settings import FaceSettings
 from facecrf_ocio.values import Bool, Float, frozen
 

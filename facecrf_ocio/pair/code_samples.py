@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.photo.pixels import Pixels, code_values
+from facecrf_ocio.photo.raster.pixels import Pixels, code_values
 
 ROWS, COLUMNS = 24, 32  # of the grid of points
 _PATCH = 5  # [px] side of the square whose mean is taken: less noise, and still nearly one color

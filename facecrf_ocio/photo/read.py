@@ -14,17 +14,32 @@ from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import complaint
 from facecrf_ocio.files.threads import OtherThread
-from facecrf_ocio.photo.channels import alpha_channel, color_channels, is_premultiplied
-from facecrf_ocio.photo.cicp import of_numbers
-from facecrf_ocio.photo.decode import (
+from facecrf_ocio.photo.containers.integrity import COPY_AGAIN, check_file, check_size, photo_sha256
+from facecrf_ocio.photo.containers.no_photo import no_photo
+from facecrf_ocio.photo.containers.png_chunks import has_void_gamma
+from facecrf_ocio.photo.containers.suffixes import HEIF
+from facecrf_ocio.photo.decoding.channels import alpha_channel, color_channels, is_premultiplied
+from facecrf_ocio.photo.decoding.decode import (
     decode,
     decode_by_bands,
     is_plain_16_bits,
     one_line,
 )
-from facecrf_ocio.photo.edits import edits_told
-from facecrf_ocio.photo.gain_map import jpeg_gain_map
-from facecrf_ocio.photo.header import (
+from facecrf_ocio.photo.decoding.gain_map import jpeg_gain_map
+from facecrf_ocio.photo.decoding.heif import read_heif
+from facecrf_ocio.photo.decoding.orientation import orientation_of, upright
+from facecrf_ocio.photo.decoding.picture import PhotoFile, Picture, open_image, open_picture
+from facecrf_ocio.photo.raster.pixels import (
+    Pixels,
+    code_values,
+    holds_codes,
+    is_gray,
+    three_channels,
+    unpremultiplied,
+)
+from facecrf_ocio.photo.tags.cicp import of_numbers
+from facecrf_ocio.photo.tags.edits import edits_told
+from facecrf_ocio.photo.tags.header import (
     CONVERT,
     bit_depth_of,
     camera_of,
@@ -34,23 +49,8 @@ from facecrf_ocio.photo.header import (
     made_by,
     primaries_of,
 )
-from facecrf_ocio.photo.heif import read_heif
-from facecrf_ocio.photo.integrity import COPY_AGAIN, check_file, check_size, photo_sha256
-from facecrf_ocio.photo.named_curve import curve_of_scan, named_curve
-from facecrf_ocio.photo.no_photo import no_photo
-from facecrf_ocio.photo.orientation import orientation_of, upright
-from facecrf_ocio.photo.picture import PhotoFile, Picture, open_image, open_picture
-from facecrf_ocio.photo.pixels import (
-    Pixels,
-    code_values,
-    holds_codes,
-    is_gray,
-    three_channels,
-    unpremultiplied,
-)
-from facecrf_ocio.photo.png_chunks import has_void_gamma
-from facecrf_ocio.photo.profile import profile_notes
-from facecrf_ocio.photo.suffixes import HEIF
+from facecrf_ocio.photo.tags.named_curve import curve_of_scan, named_curve
+from facecrf_ocio.photo.tags.profile import profile_notes
 from facecrf_ocio.values import Camera, Photo, frozen
 
 _EXPORT = "convert it to DNG, or export a 16-bit TIFF"
@@ -108,7 +108,7 @@ def _read(file: PhotoFile, ask_sha256: Callable[[], str]) -> Photo:
 
 def _read_raw(file: PhotoFile, sha256: str, problem: str, remedy: str) -> Photo:
     """What LibRaw reads; the problem is told if it does not know the file."""
-    from facecrf_ocio.photo.raw import decode_raw  # noqa: PLC0415 - LibRaw, for few photos
+    from facecrf_ocio.photo.decoding.raw import decode_raw  # noqa: PLC0415 - LibRaw, for few photos
 
     file.forget()
     linear = decode_raw(file.path)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from facecrf_ocio.files.plain_text import plain_text
-from facecrf_ocio.photo.picture import PhotoFile, open_picture
+from facecrf_ocio.photo.decoding.picture import PhotoFile, open_picture
 
 # EXIF 2.32, sec. 4.6.5, and Canon's maker notes: whatever changes the tone curve.
 _STYLE = (

@@ -15,10 +15,10 @@ from facecrf_ocio.archive.manifest.twin_rows import mark_duplicates, twins_of
 from facecrf_ocio.archive.report.contents import read_archive
 from facecrf_ocio.image.lut_lookup import lut_lookup
 from facecrf_ocio.lut.lint import lint
-from facecrf_ocio.photo.named_curve import curve_of_profile, is_other_curve
-from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.photo.shot import read_shot
+from facecrf_ocio.photo.tags.named_curve import curve_of_profile, is_other_curve
+from facecrf_ocio.photo.tags.profile import primaries_from_icc, profile_notes
 from facecrf_ocio.record.sidecar import read_sidecar, read_source
 
 

@@ -15,10 +15,10 @@ from facecrf_ocio.archive.report.record_summary import Summary, summary_in, summ
 from facecrf_ocio.archive.task import Thumbnail
 from facecrf_ocio.archive.thumbnail import SIDE
 from facecrf_ocio.errors import FaceCRFError
-from facecrf_ocio.photo.pixels import Pixels
+from facecrf_ocio.photo.containers.suffixes import suffixes_named
+from facecrf_ocio.photo.raster.pixels import Pixels
 from facecrf_ocio.photo.read import read_photo
-from facecrf_ocio.photo.suffixes import suffixes_named
-from facecrf_ocio.photo.unwarned import unwarned
+from facecrf_ocio.photo.tags.unwarned import unwarned
 from facecrf_ocio.record.output_names import EXR, RECORD, output_name
 from facecrf_ocio.record.sidecar import Sidecar, read_sidecar
 from facecrf_ocio.values import Outcome

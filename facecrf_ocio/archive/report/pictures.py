@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from facecrf_ocio.archive.report.small_curves import DrawnCurve, drawn
 from facecrf_ocio.archive.task import Thumbnail
 from facecrf_ocio.archive.thumbnail import QUALITY, SIDE, light_of, shrunk, webps
-from facecrf_ocio.photo.pixels import Pixels
+from facecrf_ocio.photo.raster.pixels import Pixels
 from facecrf_ocio.values import Estimate, InverseCRF
 from facecrf_ocio.wording.next_steps import next_steps
 from facecrf_ocio.wording.sentence import ARCHIVE, Surface, expected

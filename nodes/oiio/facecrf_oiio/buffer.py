@@ -13,8 +13,8 @@ from facecrf_ocio.errors import PhotoError, SettingsError
 from facecrf_ocio.image.exr_header import still_holds, tag_color_space, tag_primaries
 from facecrf_ocio.image.lookup import Lookup
 from facecrf_ocio.image.lut_lookup import LutLookup, lut_lookup
-from facecrf_ocio.photo.channels import alpha_channel, color_channels
-from facecrf_ocio.photo.header import icc_profile, primaries_of
+from facecrf_ocio.photo.decoding.channels import alpha_channel, color_channels
+from facecrf_ocio.photo.tags.header import icc_profile, primaries_of
 from facecrf_ocio.values import Primaries
 from facecrf_oiio.store import can_store, store
 

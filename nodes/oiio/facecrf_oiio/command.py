@@ -26,8 +26,8 @@ from facecrf_ocio.image.lookup import Lookup
 from facecrf_ocio.image.lut_lookup import lut_lookup
 from facecrf_ocio.image.output import write_image_file
 from facecrf_ocio.lut.transform import DIRECTIONS
-from facecrf_ocio.photo.channels import alpha_channel, is_premultiplied
-from facecrf_ocio.photo.integrity import COPY_AGAIN, check_file, check_size
+from facecrf_ocio.photo.containers.integrity import COPY_AGAIN, check_file, check_size
+from facecrf_ocio.photo.decoding.channels import alpha_channel, is_premultiplied
 from facecrf_oiio.buffer import color_of, fill, linearize
 
 _CODES = {OutputError: 1, SettingsError: 2, PhotoError: 3, LutError: 3}

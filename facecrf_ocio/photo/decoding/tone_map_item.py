@@ -4,9 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from facecrf_ocio.photo.cicp import of_color_box
-from facecrf_ocio.photo.heif_boxes import item_content, items, made_of, meta_box, properties
-from facecrf_ocio.photo.profile import primaries_from_icc
+from facecrf_ocio.photo.containers.heif_boxes import (
+    item_content,
+    items,
+    made_of,
+    meta_box,
+    properties,
+)
+from facecrf_ocio.photo.tags.cicp import of_color_box
+from facecrf_ocio.photo.tags.profile import primaries_from_icc
 from facecrf_ocio.values import Primaries
 
 _TONE_MAP = b"tmap"

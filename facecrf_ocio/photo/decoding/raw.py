@@ -14,10 +14,10 @@ import rawpy
 
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import plain_text
-from facecrf_ocio.photo.integrity import COPY_AGAIN, check_size
-from facecrf_ocio.photo.orientation import upright
-from facecrf_ocio.photo.pixels import Pixels
-from facecrf_ocio.photo.suffixes import RAW_SUFFIXES
+from facecrf_ocio.photo.containers.integrity import COPY_AGAIN, check_size
+from facecrf_ocio.photo.containers.suffixes import RAW_SUFFIXES
+from facecrf_ocio.photo.decoding.orientation import upright
+from facecrf_ocio.photo.raster.pixels import Pixels
 
 # LibRaw's `flip` as EXIF's orientation: which way it is to be turned.
 _ORIENTATIONS = {3: 3, 5: 8, 6: 6}

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.photo.orientation import upright
-from facecrf_ocio.photo.smoothed_colors import as_stored
-from facecrf_ocio.photo.unwarned import unwarned
+from facecrf_ocio.photo.decoding.orientation import upright
+from facecrf_ocio.photo.raster.smoothed_colors import as_stored
+from facecrf_ocio.photo.tags.unwarned import unwarned
 
 # ITU-T T.871 (JFIF): from luma and two color differences, in codes, to red, green and blue.
 _TO_RGB = np.array([[1.0, 0.0, 1.402], [1.0, -0.344136, -0.714136], [1.0, 1.772, 0.0]], np.float32)

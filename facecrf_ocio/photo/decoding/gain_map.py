@@ -16,13 +16,13 @@ import cv2
 import numpy as np
 
 from facecrf_ocio.files.plain_text import plain_text
-from facecrf_ocio.photo.exif import apple_headroom, load_exif
-from facecrf_ocio.photo.integrity import MAX_MEGAPIXELS
-from facecrf_ocio.photo.jpeg_segments import JpegParts, take_apart
-from facecrf_ocio.photo.orientation import upright
-from facecrf_ocio.photo.pixels import code_values, three_channels
-from facecrf_ocio.photo.profile import primaries_from_icc
-from facecrf_ocio.photo.xmp import value_of, values_of, xmp_of
+from facecrf_ocio.photo.containers.integrity import MAX_MEGAPIXELS
+from facecrf_ocio.photo.containers.jpeg_segments import JpegParts, take_apart
+from facecrf_ocio.photo.decoding.orientation import upright
+from facecrf_ocio.photo.raster.pixels import code_values, three_channels
+from facecrf_ocio.photo.tags.exif import apple_headroom, load_exif
+from facecrf_ocio.photo.tags.profile import primaries_from_icc
+from facecrf_ocio.photo.tags.xmp import value_of, values_of, xmp_of
 from facecrf_ocio.values import Float, GainMap, Primaries
 
 _ISO = b"urn:iso:std:iso:ts:21496:-1\0"

@@ -6,7 +6,7 @@ from importlib.util import find_spec
 
 import OpenImageIO as oiio  # noqa: N813
 
-from facecrf_ocio.photo.suffixes import HEIF, KINDS, RAW
+from facecrf_ocio.photo.containers.suffixes import HEIF, KINDS, RAW
 
 
 def readable_kinds() -> tuple[tuple[str, bool], ...]:

@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 
 from facecrf_ocio.color.signals import decode_hlg, decode_pq
-from facecrf_ocio.photo.cicp import HLG, LINEAR, PQ, CodePoints
-from facecrf_ocio.photo.profile import icc_tag
+from facecrf_ocio.photo.tags.cicp import HLG, LINEAR, PQ, CodePoints
+from facecrf_ocio.photo.tags.profile import icc_tag
 from facecrf_ocio.values import Float
 
 _CURVES: dict[str, Callable[[Float], Float]] = {LINEAR: np.array, PQ: decode_pq, HLG: decode_hlg}

@@ -15,19 +15,19 @@ import numpy.typing as npt
 
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import plain_text
-from facecrf_ocio.photo.cicp import LINEAR, CodePoints, of_boxes, of_nclx
-from facecrf_ocio.photo.edits import edits_told, made_as_told
-from facecrf_ocio.photo.exif import apple_headroom, camera_of, custom_rendered, load_exif
-from facecrf_ocio.photo.gain_map import APPLE, GainMapError, apple_numbers, item_numbers
-from facecrf_ocio.photo.heif_boxes import with_primary, without_brand
-from facecrf_ocio.photo.integrity import COPY_AGAIN, check_size
-from facecrf_ocio.photo.named_curve import named_curve
-from facecrf_ocio.photo.orientation import upright
-from facecrf_ocio.photo.picture import PhotoFile
-from facecrf_ocio.photo.pixels import is_gray, three_channels
-from facecrf_ocio.photo.profile import primaries_from_icc, profile_notes
-from facecrf_ocio.photo.tone_map_item import ToneMap, tone_map_item
-from facecrf_ocio.photo.unwarned import unwarned
+from facecrf_ocio.photo.containers.heif_boxes import with_primary, without_brand
+from facecrf_ocio.photo.containers.integrity import COPY_AGAIN, check_size
+from facecrf_ocio.photo.decoding.gain_map import APPLE, GainMapError, apple_numbers, item_numbers
+from facecrf_ocio.photo.decoding.orientation import upright
+from facecrf_ocio.photo.decoding.picture import PhotoFile
+from facecrf_ocio.photo.decoding.tone_map_item import ToneMap, tone_map_item
+from facecrf_ocio.photo.raster.pixels import is_gray, three_channels
+from facecrf_ocio.photo.tags.cicp import LINEAR, CodePoints, of_boxes, of_nclx
+from facecrf_ocio.photo.tags.edits import edits_told, made_as_told
+from facecrf_ocio.photo.tags.exif import apple_headroom, camera_of, custom_rendered, load_exif
+from facecrf_ocio.photo.tags.named_curve import named_curve
+from facecrf_ocio.photo.tags.profile import primaries_from_icc, profile_notes
+from facecrf_ocio.photo.tags.unwarned import unwarned
 from facecrf_ocio.values import GainMap, Photo, frozen
 
 INSTALL = "install the extra (pip install 'facecrf-ocio[heif]'), or convert it to JPEG or TIFF"

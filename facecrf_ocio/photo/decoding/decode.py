@@ -13,13 +13,12 @@ import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import complaint
-from facecrf_ocio.photo.integrity import COPY_AGAIN
-from facecrf_ocio.photo.picture import MENDED, Picture
-from facecrf_ocio.photo.pixels import Pixels, code_values, filled
+from facecrf_ocio.photo.containers.integrity import COPY_AGAIN
+from facecrf_ocio.photo.decoding.picture import MENDED, Picture
+from facecrf_ocio.photo.raster.pixels import Pixels, code_values, filled
+from facecrf_ocio.photo.tags.header import PHOTOMETRIC
 
 _BAND_ROWS = 64  # [px] read at once: what a processor keeps near, 1 MB of a photo 6000 px wide
-PHOTOMETRIC = "tiff:PhotometricInterpretation"
-"""Attribute of a TIFF that tells what its numbers mean."""
 _WHITE_IS_ZERO = 0  # TIFF 6.0
 # As libtiff says it of what it was built without, and of what it does not know.
 _UNKNOWN_COMPRESSION = re.compile(r"compression support is not configured|decoding is not impl")

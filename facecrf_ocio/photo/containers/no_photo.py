@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from facecrf_ocio.photo.integrity import COPY_AGAIN
+from facecrf_ocio.photo.containers.integrity import COPY_AGAIN
 
 _DOWNLOAD = "download the photo again"
 _FRAMES = "calibrate it as a clip, or export a frame as PNG"

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import BinaryIO
 
 from facecrf_ocio.errors import IS_FOLDER, PhotoError
-from facecrf_ocio.photo.png_chunks import chunks
-from facecrf_ocio.photo.suffixes import HEAD, kind_of
+from facecrf_ocio.photo.containers.png_chunks import chunks
+from facecrf_ocio.photo.containers.suffixes import HEAD, kind_of
 
 MAX_MEGAPIXELS = 150
 """[megapixel] Larger photos are refused: decoded, this many take 1.8 GB."""

@@ -6,7 +6,7 @@ import struct
 from typing import Any
 
 from facecrf_ocio.files.plain_text import plain_text
-from facecrf_ocio.photo.unwarned import unwarned
+from facecrf_ocio.photo.tags.unwarned import unwarned
 from facecrf_ocio.values import Camera
 
 _EXIF_DIRECTORY, _MAKER_NOTES = 0x8769, 0x927C  # tags (EXIF 2.32, sec. 4.6)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from facecrf_ocio.photo.xmp import value_of
+from facecrf_ocio.photo.tags.xmp import value_of
 from facecrf_ocio.values import Camera
 
 # Programs that render light and color anew, by how they sign in EXIF's Software or XMP's

@@ -11,12 +11,14 @@ import OpenImageIO as oiio  # noqa: N813
 from facecrf_ocio.color.primaries import known_primaries, name_primaries
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import plain_text
-from facecrf_ocio.photo.cicp import LINEAR, of_numbers
-from facecrf_ocio.photo.decode import PHOTOMETRIC
-from facecrf_ocio.photo.edits import made_as_told
-from facecrf_ocio.photo.named_curve import is_other_curve
-from facecrf_ocio.photo.profile import primaries_from_icc
+from facecrf_ocio.photo.tags.cicp import LINEAR, of_numbers
+from facecrf_ocio.photo.tags.edits import made_as_told
+from facecrf_ocio.photo.tags.named_curve import is_other_curve
+from facecrf_ocio.photo.tags.profile import primaries_from_icc
 from facecrf_ocio.values import Camera, Primaries
+
+PHOTOMETRIC = "tiff:PhotometricInterpretation"
+"""Attribute of a TIFF that tells what its numbers mean."""
 
 CONVERT = "convert it to JPEG, PNG, TIFF or EXR"
 """What helps where OpenImageIO reads a file that is no picture of ours."""

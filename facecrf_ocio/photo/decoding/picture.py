@@ -11,10 +11,10 @@ from typing import Any
 import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio.files.plain_text import complaint
-from facecrf_ocio.photo.jpeg_segments import JpegParts, take_apart
-from facecrf_ocio.photo.suffixes import HEAD, RAW, Kind, kind_named, kind_of
-from facecrf_ocio.photo.tiff_pages import Page, holds_raw, photo_page
-from facecrf_ocio.photo.xmp import xmp_of
+from facecrf_ocio.photo.containers.jpeg_segments import JpegParts, take_apart
+from facecrf_ocio.photo.containers.suffixes import HEAD, RAW, Kind, kind_named, kind_of
+from facecrf_ocio.photo.containers.tiff_pages import Page, holds_raw, photo_page
+from facecrf_ocio.photo.tags.xmp import xmp_of
 
 # Phones append a second picture (CIPA DC-007) or a film, and say so here or in what follows.
 _FOLLOWING = ("MotionPhoto", "MicroVideo", "Container:Directory")
@@ -51,7 +51,7 @@ class PhotoFile:
         told = holds_raw(self.content)
         if told or plain:
             return told
-        from facecrf_ocio.photo.raw import libraw_takes  # noqa: PLC0415 - LibRaw, for few photos
+        from facecrf_ocio.photo.decoding.raw import libraw_takes  # noqa: PLC0415 - LibRaw, for few photos
 
         return libraw_takes(self.path)
 

@@ -7,7 +7,7 @@ import weakref
 import cv2
 import numpy as np
 
-from facecrf_ocio.photo.pixels import Pixels
+from facecrf_ocio.photo.raster.pixels import Pixels
 
 # Halvings from which on a copy is kept, a sixteenth of the photo's memory and less; and how much is
 # [byte] kept anyway, beside the tens of megabytes that a photo takes.

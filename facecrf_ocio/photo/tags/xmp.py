@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from facecrf_ocio.photo.jpeg_segments import JpegParts
+from facecrf_ocio.photo.containers.jpeg_segments import JpegParts
 
 _PACKET = re.compile(rb"<x:xmpmeta.*?</x:xmpmeta>|<rdf:RDF.*?</rdf:RDF>", re.DOTALL)
 _IN_JPEG = b"http://ns.adobe.com/xap/1.0/\0"

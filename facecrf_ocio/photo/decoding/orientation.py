@@ -8,8 +8,8 @@ from typing import Any
 import cv2
 import numpy as np
 
-from facecrf_ocio.photo.pixels import Pixels
-from facecrf_ocio.photo.xmp import value_of
+from facecrf_ocio.photo.raster.pixels import Pixels
+from facecrf_ocio.photo.tags.xmp import value_of
 
 # EXIF 2.32, tag 0x0112: where row 0 and column 0 of the file are in the upright picture.
 _UPRIGHT: dict[int, Callable[[Any], Any]] = {

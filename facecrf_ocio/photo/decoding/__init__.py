@@ -1,0 +1,1 @@
+"""From a file to code values, by whoever reads its kind."""
