@@ -473,3 +473,59 @@ class TestNotesOnTheTerminal:
         lut = write_spi1d(tmp_path / "a.spi1d")
         ended = facecrf("apply", stray, "--lut", lut, "-o", tmp_path / "a.exr")
         assert "\n  note: 3 stray bytes" in ended.out
+
+
+def write_bmp(path: Path, codes: np.ndarray, masks: tuple[int, ...], header: int) -> Path:
+    """A BMP of 32 bits a pixel with its channels at those of the masks."""
+    height, width = codes.shape[:2]
+    values = np.zeros((height, width), "<u4")
+    for channel, mask in zip(np.moveaxis(codes.astype(np.uint64), 2, 0), masks, strict=False):
+        shift, most = (mask & -mask).bit_length() - 1, mask // (mask & -mask)
+        values |= (channel * most // 255 << shift).astype("<u4")
+    told = struct.pack(f"<{len(masks)}I", *masks)
+    about = struct.pack("<IiiHHIIiiII", header, width, height, 1, 32, 3, 0, 0, 0, 0, 0)
+    about = (about + told).ljust(header, b"\0")
+    start = struct.pack("<IHHI", 14 + len(about) + values.nbytes, 0, 0, 14 + len(about))
+    path.write_bytes(b"BM" + start + about + values[::-1].tobytes())
+    return path
+
+
+class TestBmpOf32Bits:
+    CODES = random_codes()
+
+    @pytest.mark.parametrize("header", [40, 52, 108, 124])
+    def test_as_most_programs_write_it(self, tmp_path: Path, header: int) -> None:
+        """The fourth byte is nobody's, and no alpha that would make all of an EXR black."""
+        masks = (0xFF0000, 0xFF00, 0xFF)
+        photo = read_photo(write_bmp(tmp_path / "a.bmp", self.CODES, masks, header))
+        assert np.array_equal(np.rint(255 * photo.encoded), self.CODES)
+        assert photo.alpha is None
+        assert photo.notes == ("its alpha is 0 everywhere, and was set aside",)
+
+    @pytest.mark.parametrize(
+        "masks",
+        [(0xFF, 0xFF00, 0xFF0000), (0xFF000000, 0xFF0000, 0xFF00), (0x3FF00000, 0xFFC00, 0x3FF)],
+    )
+    @pytest.mark.parametrize("header", [40, 124])
+    def test_another_order_is_told(self, tmp_path: Path, masks, header: int) -> None:
+        path = write_bmp(tmp_path / "a.bmp", self.CODES, masks, header)
+        with pytest.raises(PhotoError, match=r"channels in an order of its own.*PNG"):
+            read_photo(path)
+
+
+@pytest.mark.parametrize(("alpha", "kept"), [(0, False), (1, True)])
+def test_alpha_that_shows_nothing_is_set_aside(tmp_path: Path, alpha: int, kept: bool) -> None:
+    codes = np.dstack([random_codes(), np.zeros(random_codes().shape[:2], np.uint8)])
+    codes[3, 4, 3] = alpha
+    Image.fromarray(codes).save(tmp_path / "a.png")
+    photo = read_photo(tmp_path / "a.png")
+    assert (photo.alpha is not None) == kept
+    assert len(photo.notes) == (not kept)
+    assert np.array_equal(np.rint(255 * photo.encoded), codes[..., :3])
+
+
+def test_a_png_with_a_chunk_that_must_be_known(tmp_path: Path, capfd) -> None:
+    (tmp_path / "a.png").write_bytes(with_chunks(chunk(b"ABCD", b"")))
+    with pytest.raises(PhotoError, match=r"critical PNG chunk.*ordinary PNG"):
+        read_photo(tmp_path / "a.png")
+    assert capfd.readouterr().err == ""  # where libpng would write a line of its own

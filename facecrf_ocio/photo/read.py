@@ -18,7 +18,12 @@ from facecrf_ocio.photo.containers.integrity import COPY_AGAIN, check_file, chec
 from facecrf_ocio.photo.containers.no_photo import no_photo
 from facecrf_ocio.photo.containers.png_chunks import has_void_gamma
 from facecrf_ocio.photo.containers.suffixes import HEIF
-from facecrf_ocio.photo.decoding.channels import alpha_channel, color_channels, is_premultiplied
+from facecrf_ocio.photo.decoding.channels import (
+    alpha_channel,
+    color_channels,
+    is_premultiplied,
+    shown,
+)
 from facecrf_ocio.photo.decoding.decode import (
     decode,
     decode_by_bands,
@@ -55,6 +60,7 @@ from facecrf_ocio.values import Camera, Photo, frozen
 
 _EXPORT = "convert it to DNG, or export a 16-bit TIFF"
 _AS_8_BIT = "save it with 8 bits a channel"
+_AS_RGB = "save it with R, G and B for each pixel"  # of an EXR of luminance and chroma
 _COPY_OR_CONVERT = f"if it should be one, {COPY_AGAIN}; else {CONVERT}"
 
 
@@ -63,7 +69,7 @@ def read_photo(path: str | Path) -> Photo:
 
     What a file is, its content says before its suffix. The result is upright (orientation of EXIF,
     else of XMP, applied), with alpha kept aside. Of a TIFF with several pages the largest that is
-    no thumbnail is read, of any other file with several images the first.
+    no thumbnail is read, of an EXR's parts the first with R, G and B, of any other file the first.
 
     Parameters
     ----------
@@ -99,6 +105,7 @@ def _read(file: PhotoFile, ask_sha256: Callable[[], str]) -> Photo:
         problem = one_line(complaint(oiio.geterror), file.path)
         problem = f"is not an image that can be read ({problem.partition('. Is it a file')[0]})"
         told = no_photo(file.head) or (problem, _COPY_OR_CONVERT)
+        told = (problem, _AS_RGB) if "Subsampled channels" in problem else told
         return _read_raw(file, ask_sha256(), *told)
     try:
         return _read_image(file, picture, ask_sha256)
@@ -144,6 +151,7 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
     edits = edits_told(file.xmp, camera.software, made_by(spec, file.content, camera))
     file.forget()
     pixels, alpha = _decoded(path, picture, channels, turn, bits)
+    alpha, unseen = shown(alpha)
     if alpha is not None and is_premultiplied(spec, file_format):
         pixels = unpremultiplied(pixels, alpha)
         pixels = pixels if scene_linear else np.minimum(pixels, np.float32(1))
@@ -160,7 +168,7 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
         "sha256": ask_sha256(),
         "gain_map": gain_map,
         "edits": edits,
-        "notes": (*picture.notes, *profile_notes(icc), *set_aside),
+        "notes": (*picture.notes, *profile_notes(icc), *set_aside, *unseen),
     }
     if pixels.dtype == np.uint8:
         return Photo.of_codes(pixels, **told)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import stat
+import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,7 +19,11 @@ MAX_MEGAPIXELS = 150
 
 COPY_AGAIN = "copy it again from the camera or from a backup"
 
+_CRITICAL = (b"IHDR", b"PLTE", b"IDAT", b"IEND")  # PNG, third edition, 11.2
 _BLOCK = 1 << 20  # [byte] hashed at once
+# BMP (Microsoft's BITMAPV4HEADER): size of the first header that may have masks, bits a pixel with
+# the ways to pack them by masks (BI_BITFIELDS, BI_ALPHABITFIELDS), and masks of bytes as usual.
+_WITH_MASKS, _BY_MASKS, _BGR = 40, {(32, 3), (32, 6)}, (0xFF0000, 0xFF00, 0xFF)
 _CODESTREAM = b"\xff\x4f\xff\x51"  # JPEG 2000: start of codestream, then its sizes
 
 
@@ -89,7 +94,7 @@ def check_size(path: Path, width: int, height: int) -> None:
 
 
 def _check_claims(path: Path, file: BinaryIO) -> None:
-    """Check PNG for damage and GIF and JPEG 2000 for their size.
+    """Check PNG for damage, GIF and JPEG 2000 for their size, and BMP for the bits of its channels.
 
     libpng writes lines of its own to stderr about damaged files, and OpenImageIO decodes GIF and
     JPEG 2000 when it opens them.
@@ -101,9 +106,20 @@ def _check_claims(path: Path, file: BinaryIO) -> None:
         _check_png(path, file)
     elif name == "GIF":
         check_size(path, *(int.from_bytes(head[at : at + 2], "little") for at in (6, 8)))
+    elif name == "BMP":
+        _check_bmp(path, head)
     elif name == "JPEG 2000":
         start = max(head.find(_CODESTREAM), 0)
         check_size(path, *(int.from_bytes(head[start + at :][:4], "big") for at in (8, 12)))
+
+
+def _check_bmp(path: Path, head: bytes) -> None:
+    """Refuse 32 bits a pixel in another order than blue, green, red: OpenImageIO passes over it."""
+    size, bits, packing = struct.unpack_from("<14xI10xHI", head.ljust(66, b"\0"))
+    masks = struct.unpack_from("<54x3I", head.ljust(66, b"\0"))
+    if size >= _WITH_MASKS and (bits, packing) in _BY_MASKS and masks != _BGR:
+        problem = "is a BMP with its channels in an order of its own, which is not read here"
+        raise PhotoError(path, problem, "save it as PNG")
 
 
 def _check_png(path: Path, file: BinaryIO) -> None:
@@ -112,3 +128,6 @@ def _check_png(path: Path, file: BinaryIO) -> None:
             raise PhotoError(path, "is cut short (the PNG ends early)", COPY_AGAIN)
         if chunk.is_critical and chunk.is_damaged:
             raise PhotoError(path, "is damaged (a PNG checksum does not match)", COPY_AGAIN)
+        if chunk.is_critical and chunk.kind not in _CRITICAL:
+            problem = "has a critical PNG chunk that is not known"
+            raise PhotoError(path, problem, "save it as an ordinary PNG")

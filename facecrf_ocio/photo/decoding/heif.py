@@ -17,9 +17,10 @@ from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.photo.containers.heif_boxes import with_primary, without_brand
 from facecrf_ocio.photo.containers.integrity import COPY_AGAIN, check_size
+from facecrf_ocio.photo.decoding.channels import shown
 from facecrf_ocio.photo.decoding.gain_map import APPLE, GainMapError, apple_numbers, item_numbers
 from facecrf_ocio.photo.decoding.orientation import upright
-from facecrf_ocio.photo.decoding.picture import PhotoFile
+from facecrf_ocio.photo.decoding.picture import FIRST_OF_SEVERAL, PhotoFile
 from facecrf_ocio.photo.decoding.tone_map_item import ToneMap, tone_map_item
 from facecrf_ocio.photo.raster.pixels import is_gray, three_channels
 from facecrf_ocio.photo.tags.cicp import LINEAR, CodePoints, of_boxes, of_nclx
@@ -63,7 +64,8 @@ def read_heif(file: PhotoFile, sha256: str) -> Photo:
     scale = np.float32(2**decoded.bits - 1)
     encoded = np.divide(three_channels(_color(decoded.codes)), scale, dtype=np.float32)
     encoded.flags.writeable = False
-    alpha = decoded.codes[..., -1] / scale if decoded.codes.shape[2] in (2, 4) else None
+    has_alpha = decoded.codes.shape[2] in (2, 4)
+    alpha, unseen = shown(decoded.codes[..., -1].astype(np.float32) / scale if has_alpha else None)
     told, icc = decoded.told, decoded.icc
     primaries = primaries_from_icc(icc) or (None if told is None else told.named_primaries())
     # A profile goes before the color box (ISO 23008-12, 6.5.5).
@@ -85,7 +87,7 @@ def read_heif(file: PhotoFile, sha256: str) -> Photo:
         sha256=sha256,
         gain_map=decoded.gain_map,
         edits=edits,
-        notes=(*decoded.notes, *profile_notes(icc)),
+        notes=(*decoded.notes, *profile_notes(icc), *unseen),
     )
 
 
@@ -104,6 +106,8 @@ def _read_heic(file: PhotoFile) -> _Decoded:
     bits = int(heif.info.get("bit_depth", 8)) if codes.dtype == np.uint16 else 8
     exif = load_exif(heif.info.get("exif") or b"")
     gain_map, notes = _gain_map(heif, exif, file.content)
+    if len(heif) > 1:
+        notes = (*notes, f"of {len(heif)} pictures the one was read that the file calls its first")
     icc, told = heif.info.get("icc_profile") or b"", of_nclx(heif.info.get("nclx_profile"))
     return _Decoded(_planes(codes), bits, exif, icc, told, gain_map, notes)
 
@@ -165,6 +169,8 @@ def _read_avif(file: PhotoFile) -> _Decoded:
     except _DAMAGE as error:
         raise _damaged(file, error) from error
     gain_map, notes = _map_of_avif(file, codes.shape)
+    if file.content[8:12] == b"avis":
+        notes = (*notes, FIRST_OF_SEVERAL)
     if _is_deep_avif(file.content):
         notes = (*notes, "its more than 8 bits were read as 8")
     return _Decoded(codes, 8, exif, icc, of_boxes(file.content), gain_map, notes)

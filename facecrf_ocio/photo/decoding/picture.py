@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -10,10 +11,11 @@ from typing import Any
 
 import OpenImageIO as oiio  # noqa: N813
 
-from facecrf_ocio.files.plain_text import complaint
+from facecrf_ocio.files.plain_text import complaint, plain_text
 from facecrf_ocio.photo.containers.jpeg_segments import JpegParts, take_apart
 from facecrf_ocio.photo.containers.suffixes import HEAD, RAW, Kind, kind_named, kind_of
 from facecrf_ocio.photo.containers.tiff_pages import Page, holds_raw, photo_page
+from facecrf_ocio.photo.decoding.channels import rgb_channels
 from facecrf_ocio.photo.tags.xmp import xmp_of
 
 # Phones append a second picture (CIPA DC-007) or a film, and say so here or in what follows.
@@ -77,6 +79,9 @@ class PhotoFile:
         self.__dict__.pop("jpeg", None)
 
 
+FIRST_OF_SEVERAL = "the first of several pictures was read"
+"""Note on a file that holds more, none of them the photo before the others."""
+
 MENDED = "picture.jpg"
 """Name of the copy of a mended JPEG, in a folder of its own."""
 
@@ -124,9 +129,10 @@ def open_picture(file: PhotoFile) -> Picture | None:
     if file.jpeg is not None and file.jpeg.picture != file.content:
         return _open_mended(file.jpeg, file.xmp)
     source = open_image(file.path)
-    if source is None or source.format_name() != "tiff":
-        return None if source is None else Picture(source)
-    return _at_photo(source)
+    if source is None:
+        return None
+    choose = {"tiff": _at_photo, "openexr": _at_colors, "gif": _at_first}
+    return choose.get(source.format_name(), Picture)(source)
 
 
 def _open_mended(jpeg: JpegParts, xmp: str) -> Picture | None:
@@ -156,14 +162,43 @@ def _mended(jpeg: JpegParts, xmp: str) -> list[str]:
 
 def _at_photo(source: Any) -> Picture:
     """A TIFF at the page that is the photo."""
-    pages: list[Page] = []
-    while source.seek_subimage(len(pages), 0):
-        spec = source.spec()
-        size = spec.width * spec.height
-        pages.append(Page(size, spec.get_int_attribute("tiff:subfiletype")))
-    complaint(source.geterror)  # that there is no page after the last
+    pages = [
+        Page(spec.width * spec.height, spec.get_int_attribute("tiff:subfiletype"))
+        for spec in _specs(source)
+    ]
     chosen = photo_page(pages)
     source.seek_subimage(chosen, 0)
     several = chosen > 0 or sum(not page.is_aside for page in pages) > 1
     note = f"page {chosen + 1} of {len(pages)} was read, the largest that is no thumbnail"
     return Picture(source, chosen, (note,) if several else ())
+
+
+def _at_colors(source: Any) -> Picture:
+    """An EXR at the first of its parts that has colors; they may be layers, distances or views."""
+    parts = [
+        (spec.get_string_attribute("oiio:subimagename"), rgb_channels(spec) is not None)
+        for spec in _specs(source)
+    ]
+    colored = [index for index, (_, has_colors) in enumerate(parts) if has_colors]
+    chosen = next(iter(colored), 0)
+    source.seek_subimage(chosen, 0)
+    name = plain_text(parts[chosen][0]) or "without a name"
+    note = f"part {chosen + 1} of {len(parts)} ({name}) was read, the first with R, G and B"
+    return Picture(source, chosen, (note,) if chosen > 0 or len(colored) > 1 else ())
+
+
+def _at_first(source: Any) -> Picture:
+    """A picture that may move."""
+    moves = source.seek_subimage(1, 0)
+    complaint(source.geterror)
+    source.seek_subimage(0, 0)
+    return Picture(source, 0, (FIRST_OF_SEVERAL,) if moves else ())
+
+
+def _specs(source: Any) -> Iterator[Any]:
+    """What OpenImageIO says of each of a file's pictures."""
+    number = 0
+    while source.seek_subimage(number, 0):
+        yield source.spec()
+        number += 1
+    complaint(source.geterror)  # that there is none after the last
