@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813
@@ -12,8 +13,13 @@ from archive_photos import ONE, everything, exposed, files, table, write_picture
 from command_line import CommandLine
 from photo_files import pixels_of
 
-from facecrf_ocio.archive.task import Recipe
+from facecrf_ocio.archive.place import Place
+from facecrf_ocio.archive.task import MERGE, Recipe, Series, Task
+from facecrf_ocio.archive.work.one_bracket import merged
+from facecrf_ocio.calibrate import calibrate
+from facecrf_ocio.image.apply import BEYOND_HALF
 from facecrf_ocio.pair.code_samples import COLUMNS, ROWS
+from facecrf_ocio.photo.read import read_photo
 
 HOW = ("--pool", "camera", "--merge", "--formats", "spi1d", "--jobs", "1")
 STOPS = (-2, -1, 0, 1, 2)
@@ -59,7 +65,8 @@ def test_a_bracket_becomes_one_image_with_the_light_of_the_scene(capfd, tmp_path
     assert ended.code == 0, ended.err
     assert "brackets: 1 merged, 1 not merged" in ended.err
     merged, twice = merges(output)
-    assert merged[:4] == ("ramp0.jpg", "merged", "", "ramp0.jpg.hdr.exr")
+    assert merged[:2] + merged[3:4] == ("ramp0.jpg", "merged", "ramp0.jpg.hdr.exr")
+    assert BEYOND_HALF not in merged[2]
     assert "0.5 stops, fewer than 1" in twice[2]
     names, _, stops, moved = zip(*merged[4], strict=True)
     assert names == tuple(f"ramp{n}.jpg" for n in range(5))
@@ -72,6 +79,21 @@ def test_a_bracket_becomes_one_image_with_the_light_of_the_scene(capfd, tmp_path
     assert spec["facecrf:estimator"] == "bracket"
     assert "ramp4.jpg" in spec["facecrf:bracket"]
     assert CommandLine(capfd)("verify", output).code == 0
+
+
+def test_light_that_half_floats_do_not_hold_is_told(tmp_path, monkeypatch):
+    write_bracket(tmp_path, (-2, 0, 2))
+    paths = tuple(sorted(tmp_path.glob("*.jpg")))
+    photos = [read_photo(path) for path in paths]
+    series = Series(paths, tuple(photo.sha256 for photo in photos), (-2.0, 0.0, 2.0), False)
+    (tmp_path / "luts").mkdir()
+    place = Place.of(tmp_path / "luts")
+    srgb = calibrate(photos[1], estimator="srgb")
+    task = Task(paths[0], paths[0].name, place, Recipe(), step=MERGE, estimate=srgb, series=series)
+    assert BEYOND_HALF not in merged(task)[0].reason
+    monkeypatch.setattr("facecrf_ocio.image.apply.HALF_MAX", 0.5)
+    result, _ = merged(replace(task, overwrite=True))
+    assert result.reason.endswith(f"; {BEYOND_HALF}")
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from fractions import Fraction
 
@@ -56,6 +57,12 @@ def write_video(path, frames, *, full=False, trc=None, stamps=None, bits=20_000_
     return path
 
 
+def cut_short(*paths):
+    for path in paths:
+        data = path.read_bytes()
+        path.write_bytes(data[: len(data) // 2])
+
+
 class TestFrames:
     @pytest.mark.parametrize("pattern", ["frame.%04d.png", "frame.####.png", ""])
     def test_a_pattern_or_folder_is_a_clip_in_the_order_of_its_numbers(self, tmp_path, pattern):
@@ -83,19 +90,19 @@ class TestFrames:
     @pytest.mark.parametrize("full", [True, False])
     def test_both_ranges_of_a_video_give_the_same_codes(self, tmp_path, full):
         path = write_video(tmp_path / "a.mp4", [RAMP] * 3, full=full)
-        (photo,) = open_clip(path).read([1])
+        ((_, photo),) = open_clip(path).read([1])
         assert np.abs(photo.encoded.mean(axis=0) - RAMP.mean(axis=0)).max() < 0.02
 
     def test_a_frame_is_the_one_that_was_asked_for(self, tmp_path):
         path = write_video(tmp_path / "a.mp4", [RAMP * (n / 40) for n in range(41)])
-        levels = [p.encoded.mean() for p in open_clip(path).read([3, 20, 37])]
+        levels = [p.encoded.mean() for _, p in open_clip(path).read([3, 20, 37])]
         assert levels == pytest.approx([0.5 * n / 40 for n in (3, 20, 37)], abs=0.01)
 
     @pytest.mark.parametrize("keys", [4, 100])
     def test_frames_come_as_asked_for_whether_they_follow_one_another_or_not(self, tmp_path, keys):
         path = write_video(tmp_path / "a.mp4", [RAMP * (n / 40) for n in range(31)], keys=keys)
         wanted = [0, 1, 2, 3, 4, 5, 9, 9, 7, 8, 30, 29, 12]
-        levels = [p.encoded.mean() for p in open_clip(path).read(wanted)]
+        levels = [p.encoded.mean() for _, p in open_clip(path).read(wanted)]
         assert levels == pytest.approx([0.5 * n / 40 for n in wanted], abs=0.01)
 
 
@@ -135,7 +142,7 @@ def test_a_time_code_is_packed_as_decimal_digits(told, rate, digits):
 
 def test_frames_written_have_the_time_code_that_openexr_has(tmp_path):
     clip = open_clip(sequence(tmp_path / "in", 30))
-    estimate = calibrate(next(clip.read([0])), estimator="srgb")
+    estimate = calibrate(clip.first([0]), estimator="srgb")
     written = [exr.path for exr, _ in write_sequence(clip, lambda _: estimate, tmp_path / "out")]
     spec = oiio.ImageInput.open(str(written[25])).spec()
     assert spec.get_string_attribute("smpte:TimeCode") == "00:00:01:01"
@@ -196,10 +203,28 @@ class TestBadInput:
         with pytest.raises(PhotoError, match=r"a\.mkv: has 128 x 96 pixels, .* it 64 x 48; give"):
             list(clip.read([0, 3, 5]))
 
+    def test_a_frame_that_cannot_be_read_is_left_out_and_named(self, tmp_path):
+        sequence(tmp_path, 5)
+        cut_short(tmp_path / "frame.0001.png", tmp_path / "frame.0004.png")
+        clip = open_clip(tmp_path)
+        assert [index for index, _ in clip.read(range(5))] == [1, 2, 4]
+        assert clip.first(range(5)).path == tmp_path / "frame.0002.png"
+        told = "2 frames cannot be read: frame.0001.png, frame.0004.png; the first is cut short"
+        assert clip.left_out().startswith(told)
+
+    def test_of_many_that_cannot_be_read_some_are_named(self, tmp_path):
+        sequence(tmp_path, 12)
+        cut_short(*(tmp_path / f"frame.{n:04d}.png" for n in range(2, 13)))
+        clip = open_clip(tmp_path)
+        list(clip.read(range(12)))
+        assert "frame.0009.png and 3 more; the first" in clip.left_out()
+        with pytest.raises(PhotoError, match=r"frame\.0002\.png: is cut short"):
+            calibrate_clip(clip)
+
     def test_a_transport_stream_is_read_though_it_cannot_be_sought_in(self, tmp_path):
         steps = [np.full_like(RAMP, level) for level in np.linspace(0.1, 0.9, 9)]
         clip = open_clip(write_video(tmp_path / "a.ts", steps))
-        found = [float(photo.encoded.mean()) for photo in clip.read(range(9))]
+        found = [float(photo.encoded.mean()) for _, photo in clip.read(range(9))]
         assert found == pytest.approx(np.linspace(0.1, 0.9, 9), abs=0.02)
 
     def test_no_video(self, tmp_path):
@@ -240,7 +265,7 @@ class TestBadInput:
         clip = open_clip(tmp_path / "b.mkv")
         assert 4 < len(clip.times) < 20
         assert clip.notes[0].startswith("it is cut short: its header tells 1.0 s and 0.")
-        assert next(clip.read([len(clip.times) - 1])).shape[:2] == (48, 64)
+        assert clip.first([len(clip.times) - 1]).shape[:2] == (48, 64)
 
     def test_a_transport_stream_that_is_cut_short_ends_within_a_packet(self, tmp_path):
         noise = np.random.default_rng(0).random((16, 48, 64, 3)).astype(np.float32)
@@ -252,7 +277,7 @@ class TestBadInput:
         assert [note.partition(";")[0] for note in clip.notes] == [
             "it is cut short: it ends within a packet"
         ]
-        assert next(clip.read([len(clip.times) - 1])).shape[:2] == (48, 64)
+        assert clip.first([len(clip.times) - 1]).shape[:2] == (48, 64)
 
     def test_an_mp4_that_is_cut_short_has_lost_its_index(self, tmp_path):
         data = write_video(tmp_path / "a.mp4", [RAMP] * 4).read_bytes()
@@ -305,6 +330,28 @@ def test_a_compressed_clip_with_moving_exposure_gives_its_curve_and_frames(capfd
     (tmp_path / "out" / "take.mp4.exr" / "take.mp4.0005.exr").unlink()
     again = CommandLine(capfd)(*command, "--formats", "spi1d")
     assert "12 frames, 11 of them there already" in again.out
+
+
+@pytest.mark.slow
+def test_frames_that_cannot_be_read_cost_neither_the_clip_nor_silence(capfd, tmp_path):
+    (tmp_path / "in").mkdir()
+    for n in range(9):
+        light = np.clip(linear_face(3) * np.float32(2.0 ** (-0.5 + n / 9)), 0, 1)
+        write_picture(tmp_path / "in" / f"frame.{n + 1:04d}.png", light, CURVE)
+    cut_short(tmp_path / "in" / "frame.0001.png", tmp_path / "in" / "frame.0005.png")
+    command = ("clip", tmp_path / "in", "-o", tmp_path / "out", "--exr", "--formats", "spi1d")
+    ended = CommandLine(capfd)(*command, "--frames", "1")  # three are looked at: 1, 5 and 9
+    assert ended.code == 3  # as it was before: one that is left is no clip
+    ended = CommandLine(capfd)(*command, "--frames", "2")
+    assert ended.code == 3
+    told = "2 frames cannot be read: frame.0001.png, frame.0005.png; the first is cut short"
+    assert f"note: {told}" in ended.out
+    assert f"{told} (the PNG ends early); without an EXR" in ended.err
+    assert "7 frames" in ended.out
+    record = json.loads((tmp_path / "out" / "in.crf.json").read_text())
+    assert record["source"]["notes"][-1].startswith(told)
+    exrs = {path.name for path in (tmp_path / "out" / "in.exr").iterdir()}
+    assert exrs == {f"in.{n:04d}.exr" for n in (2, 3, 4, 6, 7, 8, 9)}
 
 
 def test_a_video_that_cannot_be_opened_is_told_as_that(tmp_path):

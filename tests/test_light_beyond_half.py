@@ -82,3 +82,6 @@ def test_clip(facecrf: CommandLine, bright: Path, tmp_path: Path) -> None:
     ended = facecrf("clip", bright.parent, "-o", tmp_path / "out", "--exr")
     assert ended.code == 0
     assert f"note: in 1 frame {TOLD}" in ended.out
+    again = facecrf("clip", bright.parent, "-o", tmp_path / "out", "--exr")
+    assert "2 of them there already" in again.out
+    assert f"note: in 1 frame {TOLD}" in again.out

@@ -180,7 +180,7 @@ def _measure(plan: ClipPlan, task: ClipTask, fold: int, scene: Float) -> ClipRes
         path = take_clip(scene.astype(np.float32), (first, last), take, generator, Path(folder))
         clip = open_clip(path)
         found = calibrate_clip(clip, frames=_FRAMES, model=joint_model(plan.responses, fold))
-        counts = count_codes(next(clip.read([len(clip.times) // 2])))
+        counts = count_codes(clip.first([len(clip.times) // 2]))
     return _result(plan, task, found, truth, counts)
 
 

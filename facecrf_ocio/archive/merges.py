@@ -183,7 +183,7 @@ class _Merging:
             task.name,
             wanted.basis if result.lasting else "",
             result.outcome,
-            "" if result.outcome == MERGED else result.reason,
+            result.reason,
             result.remedy,
             tuple(wanted.exposures(result.merged)) if result.merged else (),
         )

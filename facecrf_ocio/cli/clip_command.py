@@ -13,6 +13,7 @@ from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import TEXT_PATH, direction_options, estimation_options
 from facecrf_ocio.cli.output_files import formats_option
 from facecrf_ocio.cli.terminal import (
+    UNREADABLE,
     USAGE,
     complain,
     ending_well,
@@ -55,8 +56,6 @@ def clip(
     Frames are chosen over time where a face is large and sharp. PQ, HLG and linear that a stream
     names are used and not estimated. A run with --exr that was broken off goes on when repeated.
     """
-    from dataclasses import replace
-
     from facecrf_ocio.clip.calibrate_clip import calibrate_clip
     from facecrf_ocio.clip.clip_source import open_clip
     from facecrf_ocio.lut.write import endings
@@ -75,20 +74,30 @@ def clip(
         estimate = demand(found.estimate, Demand(chosen.min_confidence, chosen.max_error))
         if estimate.found is None:
             return tell(source, estimate, ())
-        first = next(opened.read([found.frames[0] if found.frames else 0]))
-        named = replace(first, path=opened.path)
-        written = write_outputs(
-            named, estimate, chosen.settings, output, formats,
-            overwrite=chosen.overwrite or exr, name=opened.name,
-        )  # fmt: skip
-        for part, own in _own_curves(found):
-            written += write_outputs(
-                named, own, chosen.settings, output, formats,
-                overwrite=chosen.overwrite or exr, name=f"{opened.name}.{part}",
+        first = opened.first(found.frames or range(len(opened.times)))
+
+        def write(*, overwrite: bool) -> tuple[Path, ...]:
+            told = tuple(filter(None, (*first.notes, *opened.notes, opened.left_out())))
+            named = first.but(path=opened.path, notes=told)
+            curves = (("", estimate), *_own_curves(found))
+            return tuple(
+                file
+                for part, own in curves
+                for file in write_outputs(
+                    named, own, chosen.settings, output, formats,
+                    overwrite=overwrite, name=f"{opened.name}{part}",
+                )
             )  # fmt: skip
+
+        written = write(overwrite=chosen.overwrite or exr)
     code = tell(source, estimate, written, notes=_notes(opened, found), verbose=chosen.verbose)
     if exr:
-        _write_frames(opened, found, output, overwrite=chosen.overwrite)
+        known = len(opened.unread)
+        count = _write_frames(opened, found, output, overwrite=chosen.overwrite)
+        if len(opened.unread) > known:
+            write(overwrite=True)  # as records tell them
+        if count < len(opened.times):
+            return complain(f"{source}: {opened.left_out()}; without an EXR", UNREADABLE)
     return code
 
 
@@ -96,13 +105,13 @@ def _own_curves(found: ClipEstimate) -> Iterator[tuple[str, Estimate]]:
     """Parts that have a curve of their own, by what their files are named after the clip."""
     for number, shot in enumerate(found.shots, start=1):
         if shot.estimate is not None:
-            yield f"shot{number}", shot.estimate
+            yield f".shot{number}", shot.estimate
     for number, stretch in enumerate(found.stretches, start=1):
-        yield f"stretch{number}", stretch.estimate
+        yield f".stretch{number}", stretch.estimate
 
 
 def _notes(opened: Clip, found: ClipEstimate) -> tuple[str, ...]:
-    notes = list(opened.notes)
+    notes = list(filter(None, (*opened.notes, opened.left_out())))
     if found.frames:
         numbers = ", ".join(str(index + 1) for index in found.frames)
         notes.append(f"frames {numbers} of {len(opened.times)}")
@@ -143,7 +152,7 @@ def _course(found: ClipEstimate) -> str:
     return f"its curve {how}: {each} have curves of their own"
 
 
-def _write_frames(opened: Clip, found: ClipEstimate, output: Path, *, overwrite: bool) -> None:
+def _write_frames(opened: Clip, found: ClipEstimate, output: Path, *, overwrite: bool) -> int:
     from facecrf_ocio.clip.exr_sequence import write_sequence
     from facecrf_ocio.record.output_names import EXR, output_path
 
@@ -157,3 +166,4 @@ def _write_frames(opened: Clip, found: ClipEstimate, output: Path, *, overwrite:
     say(f"  {folder}: {counted(count, 'frame')}{was}")
     for note, frames in cut.items():
         say(f"  note: in {counted(frames, 'frame')} {note}")
+    return count

@@ -71,8 +71,13 @@ def calibrate_clip(
         How many to use at most, spread over time.
     prior, settings, model
         As for `calibrate`.
+
+    Raises
+    ------
+    PhotoError
+        If too few of its frames can be read.
     """
-    first = next(clip.read([0]))
+    first = clip.first(range(len(clip.times)))
     if first.scene_linear or first.named_curve:
         return ClipEstimate(calibrate(first))
     model = model or shipped_joint()
@@ -181,11 +186,11 @@ def _pairs(clip: Clip, frames: Sequence[int]) -> Iterator[tuple[Image, Image]]:
     spread = np.unique(np.linspace(0, len(frames) - 1, min(len(frames), _PAIRS)).astype(np.intp))
     firsts = {min(frames[at], len(clip.times) - 2) for at in spread}
     wanted = sorted(firsts | {index + 1 for index in firsts})
-    before: Image | None = None
-    for index, photo in zip(wanted, clip.read(wanted), strict=True):
-        if before is not None and index - 1 in firsts:
-            yield before, photo.encoded
-        before = photo.encoded
+    before: tuple[int, Image] | None = None
+    for index, photo in clip.read(wanted):
+        if before is not None and index - 1 in firsts and before[0] == index - 1:
+            yield before[1], photo.encoded
+        before = index, photo.encoded
 
 
 def _level(codes: Float, estimate: Estimate) -> float:

@@ -18,6 +18,7 @@ from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Face, Float, Photo
 
 _TRIED = 3  # frames looked at for each that is used
+_FEWEST_READ = 2  # of them: one frame is no clip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,12 +52,17 @@ class ChosenFrame:
 def choose_frames(
     clip: Clip, frames: int, settings: Settings | None, model: JointModel
 ) -> list[ChosenFrame]:
-    """The frame of each stretch of time whose face is largest and sharpest."""
+    """The frame of each stretch of time whose face is largest and sharpest.
+
+    Raises
+    ------
+    PhotoError
+        If fewer than two of those that are looked at can be read.
+    """
     count = len(clip.times)
     tried = np.unique(np.linspace(0, count - 1, min(count, _TRIED * frames)).astype(np.intp))
-    photos = zip((int(index) for index in tried), clip.read(tried.tolist()), strict=True)
     found = []
-    for _, stretch in groupby(photos, lambda one: one[0] * frames // count):
+    for _, stretch in groupby(clip.read(tried.tolist()), lambda one: one[0] * frames // count):
         best: tuple[float, int, Photo] | None = None  # others are let go as they come
         for index, photo in stretch:
             worth = _worth(photo, settings)
@@ -64,6 +70,8 @@ def choose_frames(
                 best = (worth, index, photo)
         one = None if best is None else _looked_at(best[1], best[2], settings, model)
         found += [] if one is None else [one]
+    if sum(index not in clip.unread for index in tried.tolist()) < _FEWEST_READ:
+        raise next(iter(clip.unread.values()))
     return found
 
 

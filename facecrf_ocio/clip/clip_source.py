@@ -87,8 +87,17 @@ def _order(path: Path) -> tuple[str, int, str]:
 
 
 def _sequence(given: Path, paths: Sequence[Path], name: str) -> Clip:
-    def read(indices: Sequence[int]) -> Iterator[Photo]:
-        return in_one_size(read_photo(paths[index]) for index in indices)
+    unread: dict[int, PhotoError] = {}
+
+    def readable(indices: Sequence[int]) -> Iterator[tuple[int, Photo]]:
+        for index in indices:
+            try:
+                yield index, read_photo(paths[index])
+            except PhotoError as error:
+                unread[index] = error
+
+    def read(indices: Sequence[int]) -> Iterator[tuple[int, Photo]]:
+        return in_one_size(readable(indices))
 
     return Clip(
         paths[0] if paths else given,
@@ -98,6 +107,7 @@ def _sequence(given: Path, paths: Sequence[Path], name: str) -> Clip:
         DEFAULT_RATE,
         read,
         _gaps(paths),
+        unread=unread,
     )
 
 

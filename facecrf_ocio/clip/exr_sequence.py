@@ -14,9 +14,9 @@ import OpenImageIO as oiio  # noqa: N813
 from facecrf_ocio import __version__
 from facecrf_ocio.clip.frame_list import Clip
 from facecrf_ocio.files.plain_text import complaint
-from facecrf_ocio.image.apply import WrittenExr, linear_rows, write_exr
-from facecrf_ocio.image.lookup import curve_lookup
-from facecrf_ocio.values import Estimate, InverseCRF
+from facecrf_ocio.image.apply import BEYOND_HALF, WrittenExr, linear_rows, write_exr
+from facecrf_ocio.image.lookup import HALF_MAX, curve_lookup
+from facecrf_ocio.values import Estimate, InverseCRF, Outcome
 
 _READ_AT_ONCE = 64  # frames between which a run that was broken off loses nothing
 
@@ -26,7 +26,7 @@ def write_sequence(
 ) -> Iterator[tuple[WrittenExr, bool]]:
     """Write NAME.NNNN.exr for every frame; yields each with whether it was there already.
 
-    What an EXR does not hold is known of those that are written now.
+    Frames that cannot be read have none; `clip.unread` names them.
     `estimates` gives the one of a frame's index. A frame is there if its EXR names the same curve
     and the same frame, and goes on to its last row; one that ends before is written again.
     """
@@ -38,13 +38,14 @@ def write_sequence(
     for index, target in enumerate(targets):
         there = _found(target, digest(estimates(index).curve), clip.names[index])
         if there is _Found.WHOLE:
-            yield WrittenExr(target), True
+            linear = estimates(index).outcome is Outcome.ALREADY_LINEAR
+            yield WrittenExr(target, _cut_in(target) if linear else ()), True
         else:
             wanted[index] = overwrite or there is _Found.CUT_SHORT
     numbers = list(wanted)
     for begin in range(0, len(numbers), _READ_AT_ONCE):
         part = numbers[begin : begin + _READ_AT_ONCE]
-        for index, photo in zip(part, clip.read(part), strict=True):
+        for index, photo in clip.read(part):
             estimate = estimates(index)
             provenance = {
                 "outcome": str(estimate.outcome),
@@ -60,6 +61,12 @@ def write_sequence(
             )
             how: dict[str, Any] = {"provenance": provenance, "overwrite": wanted[index]}
             yield write_exr(targets[index], rows, photo, **how), False
+
+
+def _cut_in(path: Path) -> tuple[str, ...]:
+    """What an EXR does not hold of light that no curve bounds, as `WrittenExr` tells it."""
+    pixels = oiio.ImageBuf(str(path)).get_pixels(oiio.HALF)
+    return (BEYOND_HALF,) if (pixels >= HALF_MAX).any() else ()
 
 
 def _digest(curve: InverseCRF) -> str:

@@ -67,8 +67,9 @@ def open_video(path: Path) -> Clip:
     elif path.suffix.lower() in _STREAMS and all(path.stat().st_size % of for of in _PACKETS):
         notes.append(f"it is cut short: it ends within a packet; {there:.1f} s are there")
 
-    def read(indices: Sequence[int]) -> Iterator[Photo]:
-        return in_one_size(_frames(path, [stamps[index] for index in indices], keys))
+    def read(indices: Sequence[int]) -> Iterator[tuple[int, Photo]]:
+        frames = _frames(path, [stamps[index] for index in indices], keys)
+        return in_one_size(zip(indices, frames, strict=True))
 
     return Clip(
         path,

@@ -37,7 +37,8 @@
 `merges`, one row a bracket that was to be merged (`--merge`)
     `name` (-> brackets.name), `basis` (hash of all the image depends on), `state` (`writing`:
     perhaps half written; `done`), `outcome` (`merged`, `not merged`, `failed`), `reason`, `remedy`
-    (why not), `file` (-> outputs.name, empty without), `exposures` (JSON: of each photo its name,
+    (why not; of one that was merged what its curve rests on, and what its EXR does not hold),
+    `file` (-> outputs.name, empty without), `exposures` (JSON: of each photo its name,
     `sha256`, stops relative to the one that the image shows, share of its pixels that moved).
 `outputs`, one row a written file, or one that is about to be
     `name` (key: path relative to DST, as `keys.py` writes it), `photo` (-> photos.name), `size`

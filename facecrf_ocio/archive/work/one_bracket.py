@@ -50,7 +50,8 @@ def merged(task: Task) -> tuple[Result, Path | None]:
         (round(stop, 4), round(share, 6))
         for stop, share in zip(file.stops.tolist(), file.moved, strict=True)
     )
-    return replace(result, merged=told), path
+    reason = "; ".join((result.reason, *file.notes))
+    return replace(result, merged=told, reason=reason), path
 
 
 def _laid_over(series: Series, given: Estimate | None) -> tuple[SmallBracket, Estimate]:
