@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio import __version__
@@ -65,7 +66,7 @@ def write_sequence(
 
 def _cut_in(path: Path) -> tuple[str, ...]:
     """What an EXR does not hold of light that no curve bounds, as `WrittenExr` tells it."""
-    pixels = oiio.ImageBuf(str(path)).get_pixels(oiio.HALF)
+    pixels = np.asarray(oiio.ImageBuf(str(path)).get_pixels(oiio.HALF))
     return (BEYOND_HALF,) if (pixels >= HALF_MAX).any() else ()
 
 
