@@ -13,9 +13,10 @@ import numpy.typing as npt
 
 # A number beyond 1e308 has an exponent of three digits, or more digits than that. Asking Python for
 # each of thousands of others takes longer than all the rest of reading. What follows a number tells
-# it from the digits of a hash.
-_LONG_EXPONENT = re.compile(rb'[eE][+]?\d{3,}(?![\w"])')
-_ZEROS = bytes.maketrans(b"123456789", b"000000000")  # makes all digits alike
+# it from the digits of a hash. Sought where all digits are alike and every E is small: `re` finds
+# one letter six times as fast as one of two.
+_LONG_EXPONENT = re.compile(rb'e[+]?000+(?![\w"])')
+_ALIKE = bytes.maketrans(b"E123456789", b"e000000000")
 _MOST_DIGITS = 300  # of a number; the largest double has 309
 _ENCODER = json.JSONEncoder(ensure_ascii=False, allow_nan=False)
 
@@ -34,8 +35,8 @@ def load(content: bytes) -> Any:
 
 def _may_overflow(content: bytes) -> bool:
     # Not one pattern: `re` finds a letter fast, and takes every digit for the first of 300.
-    long = _MOST_DIGITS * b"0" in content.translate(_ZEROS)
-    return long or _LONG_EXPONENT.search(content) is not None
+    alike = content.translate(_ALIKE)
+    return _MOST_DIGITS * b"0" in alike or _LONG_EXPONENT.search(alike) is not None
 
 
 def _finite(text: str) -> float:
