@@ -114,6 +114,9 @@ def _reader(path: Path, row: LutFormat, name: Path) -> _Reader:
 def _error_of(reader: _Reader, curve: InverseCRF, direction: str, encoding: Encoding) -> float:
     """How far a file without a matrix is from its curve."""
     found: Float = reader.maps(_places()).T.astype(np.float64, order="C")
+    error = float(np.abs(found - _held(curve, direction, encoding)).max())
+    if error <= TOLERANCE:  # mostly, and then it is no larger within the code resolution
+        return error
     return _worst_error(found, *_bounds(curve, direction, encoding, _CODE_RESOLUTION))
 
 
@@ -140,22 +143,21 @@ def _error_beside_matrix(
     return _worst_error(found, *bounds), tolerance
 
 
-@lru_cache(maxsize=4)  # of one photo's files, most of which hold the same curve
 def _bounds(
     curve: InverseCRF, direction: str, encoding: Encoding, resolution: float
 ) -> tuple[Float, Float]:
-    """(C, N) least and greatest of what a format holds, as seen within the code resolution.
-
-    Of one channel where the others are like it.
-    """
-    nodes, values = expected(LutTransform(curve, direction), encoding)
-    at = _places()[:, 0].astype(np.float64)
-    spans = [
-        [np.interp(at + shift, nodes[c], values[c]) for shift in (-resolution, resolution)]
-        for c in range(_different(nodes, values))
-    ]
-    low, high = (np.array(ends) for ends in zip(*spans, strict=True))
+    """(C, N) least and greatest of what a format holds, as seen within the code resolution."""
+    low, high = (_held(curve, direction, encoding, by) for by in (-resolution, resolution))
     return low, high
+
+
+@lru_cache(maxsize=4)  # of one photo's files, most of which hold the same curve
+def _held(curve: InverseCRF, direction: str, encoding: Encoding, shift: float = 0.0) -> Float:
+    """(C, N) what a format holds at all places, shifted; C is 1 where channels are alike."""
+    nodes, values = expected(LutTransform(curve, direction), encoding)
+    at = _places()[:, 0].astype(np.float64) + shift
+    channels = range(_different(nodes, values))
+    return np.array([np.interp(at, nodes[c], values[c]) for c in channels])
 
 
 def _different(nodes: Float, values: Float) -> int:
