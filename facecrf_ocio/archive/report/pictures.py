@@ -12,9 +12,6 @@ from facecrf_ocio.values import Estimate, InverseCRF
 from facecrf_ocio.wording.next_steps import next_steps
 from facecrf_ocio.wording.sentence import ARCHIVE, Surface, expected
 
-_LARGE_EFFORT = 2
-"""Of WebP: half the time of 4, for 3 % more bytes."""
-
 LARGE_QUALITY = 78
 """Of WebP: large pictures are looked at three stops up, where a lower one shows its blocks."""
 
@@ -88,7 +85,7 @@ def with_images(
     light = light_of(small, inverse, linear=linear)
     both = None
     if large:
-        both = Thumbnail(*webps(encoded, light, large, LARGE_QUALITY, _LARGE_EFFORT, linear=linear))
+        both = Thumbnail(*webps(encoded, light, large, LARGE_QUALITY, linear=linear))
     kept = Thumbnail(*webps(encoded, light, SIDE, QUALITY, linear=linear))
     return replace(shown, small=kept, large=both)
 
