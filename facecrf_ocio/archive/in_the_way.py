@@ -32,12 +32,14 @@ def in_the_way(manifest: Manifest, task: Task, alike: Alike) -> Result | None:
     try:
         for planned in task.planned:
             problem = problem or _owned(manifest, task, planned, alike)
-            if problem is not None:
-                return problem
-            path = task.place.inside(planned)
+        if problem is not None:
+            return problem
+        for planned, path in zip(task.planned, task.place.all_inside(task.planned), strict=True):
+            if not os.path.lexists(path):
+                continue
             if path.exists() and not path.is_file():
                 return _failure(f"{path}: is not a regular file", "move it away, and start again")
-            if os.path.lexists(path) and not task.overwrite and not _ours(manifest, planned):
+            if not task.overwrite and not _ours(manifest, planned):
                 wrong = f"{path}: exists already"
                 return _failure(wrong, OVERWRITE)
     except OutputError as error:

@@ -51,14 +51,22 @@ class Place:
         OutputError
             If it lies elsewhere, or the folder is not the one it was.
         """
+        return self.all_inside((name,))[0]
+
+    def all_inside(self, names: Iterable[str]) -> list[Path]:
+        """Paths of several outputs, as `inside` gives each; every folder is looked at once."""
         self.require()
-        path = self.folder / name
-        parent = real_path(path.parent)
-        if path.name in ("", "..") or (parent != self.real and self.real not in parent.parents):
-            raise OutputError(
-                f"{path}: leads out of {self.folder}; remove the link, or name another folder"
-            )
-        return path
+        paths = [self.folder / name for name in names]
+        holds = {folder: self._holds(real_path(folder)) for folder in {p.parent for p in paths}}
+        for path in paths:
+            if path.name in ("", "..") or not holds[path.parent]:
+                raise OutputError(
+                    f"{path}: leads out of {self.folder}; remove the link, or name another folder"
+                )
+        return paths
+
+    def _holds(self, real: Path) -> bool:
+        return real == self.real or self.real in real.parents
 
     def require(self) -> None:
         """Raise OutputError unless the folder is the one it was."""

@@ -166,7 +166,9 @@ class _Run:
 
     def _free(self, task: Task) -> list[str]:
         """Outputs that are not there yet: what a killed worker leaves of them is the archive's."""
-        return [name for name in task.planned if not os.path.lexists(task.place.inside(name))]
+        paths = task.place.all_inside(task.planned)
+        named = zip(task.planned, paths, strict=True)
+        return [name for name, path in named if not os.path.lexists(path)]
 
     def _from_twin(self, task: Task, fingerprint: str) -> Task | None:
         twin = from_twin(self.manifest, task, fingerprint, self.recipe_sha256)

@@ -53,7 +53,7 @@ def _written(task: Task, result: Result, contents: tuple[bytes, ...]) -> Result:
     from facecrf_ocio.archive.work.one_photo import failure_of  # noqa: PLC0415 - heavy
 
     try:
-        paths = [task.place.inside(output.name) for output in result.outputs]
+        paths = task.place.all_inside(output.name for output in result.outputs)
         make_folder(paths[0].parent)
         drafts = [
             Draft(path, content, lambda _: None)
