@@ -33,7 +33,7 @@ def write_image_file(path: Path, write: Callable[[Path], str], *, overwrite: boo
     """
 
     def fill(temporary: Path) -> None:
-        problem = _one_line(write(temporary))
+        problem = _first_line(write(temporary))
         if problem:
             _require_space(temporary)
             raise OutputError(f"{path}: cannot be written ({problem}); choose another folder")
@@ -57,10 +57,10 @@ def _require_space(path: Path) -> None:
 def _why_it_does_not_open(path: Path) -> str:
     written = open_image(path)
     if written is None:
-        return _one_line(complaint(oiio.geterror)) or "no reason given"
+        return _first_line(complaint(oiio.geterror)) or "no reason given"
     written.close()
     return ""
 
 
-def _one_line(complaint: str) -> str:
+def _first_line(complaint: str) -> str:
     return complaint.strip().partition("\n")[0]

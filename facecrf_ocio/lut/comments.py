@@ -8,8 +8,8 @@ from collections.abc import Sequence
 _LONGEST = 300
 
 
-def one_line(text: str) -> str:
-    """Return a text as one printable line, with the rest escaped and what is long cut."""
+def remark(text: str) -> str:
+    """A text as one printable line, with the rest escaped and what is long cut."""
     words = " ".join(text.split())
     shown = words if len(words) <= _LONGEST else words[:_LONGEST] + "..."
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in shown)
@@ -17,5 +17,5 @@ def one_line(text: str) -> str:
 
 def hash_comments(comments: Sequence[str]) -> str:
     """Write comments as ASCII lines that start with "# "."""
-    text = "".join(f"# {one_line(comment)}\n" for comment in comments)
+    text = "".join(f"# {remark(comment)}\n" for comment in comments)
     return text.encode("ascii", "backslashreplace").decode("ascii")

@@ -27,8 +27,8 @@ from facecrf_ocio.photo.decoding.channels import (
 from facecrf_ocio.photo.decoding.decode import (
     decode,
     decode_by_bands,
+    first_line,
     is_plain_16_bits,
-    one_line,
 )
 from facecrf_ocio.photo.decoding.gain_map import jpeg_gain_map
 from facecrf_ocio.photo.decoding.heif import read_heif
@@ -102,7 +102,7 @@ def _read(file: PhotoFile, ask_sha256: Callable[[], str]) -> Photo:
         return _read_raw(file, ask_sha256(), "is not camera raw that LibRaw knows", _EXPORT)
     picture = open_picture(file)
     if picture is None:
-        problem = one_line(complaint(oiio.geterror), file.path)
+        problem = first_line(complaint(oiio.geterror), file.path)
         problem = f"is not an image that can be read ({problem.partition('. Is it a file')[0]})"
         told = no_photo(file.head) or (problem, _COPY_OR_CONVERT)
         told = (problem, _AS_RGB) if "Subsampled channels" in problem else told

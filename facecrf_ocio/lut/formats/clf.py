@@ -12,7 +12,7 @@ from uuid import UUID, uuid5
 
 import numpy as np
 
-from facecrf_ocio.lut.comments import one_line
+from facecrf_ocio.lut.comments import remark
 from facecrf_ocio.lut.table import LUT_LENGTH, rows_of, table_rows
 from facecrf_ocio.lut.transform import LutTransform, encode_nodes, encode_table
 from facecrf_ocio.values import Float, InverseCRF
@@ -56,7 +56,7 @@ def _process_list(
         if transform.matrix is not None:
             operations = _matrix(np.linalg.inv(transform.matrix), matrix_size) + curve
     descriptions = "".join(
-        f"    <Description>{escape(one_line(line), quote=False)}</Description>\n"
+        f"    <Description>{escape(remark(line), quote=False)}</Description>\n"
         for line in (title, *comments)
     )
     identifier = uuid5(_NAMESPACE, version + operations + descriptions).urn

@@ -13,7 +13,7 @@ import numpy as np
 
 from facecrf_ocio.color.adaptation import bradford, rgb_to_xyz
 from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
-from facecrf_ocio.lut.comments import one_line
+from facecrf_ocio.lut.comments import remark
 from facecrf_ocio.lut.table import resample
 from facecrf_ocio.lut.transform import LutTransform
 from facecrf_ocio.values import Float, InverseCRF, Primaries
@@ -27,7 +27,7 @@ _HEADER_SIZE = 128  # [byte] by ICC.1, 7.2
 
 def icc_bytes(transform: LutTransform, comments: Sequence[str] = ()) -> bytes:
     """Return a profile's bytes (ICC.1:2001-04); primaries that are not known stand for Rec.709."""
-    text = "\n".join((COPYRIGHT, DESCRIPTION, *map(one_line, comments)))
+    text = "\n".join((COPYRIGHT, DESCRIPTION, *map(remark, comments)))
     tags = {
         b"desc": _description(DESCRIPTION),
         b"cprt": _text(text),

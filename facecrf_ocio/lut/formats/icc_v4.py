@@ -14,7 +14,7 @@ import hashlib
 import struct
 from collections.abc import Sequence
 
-from facecrf_ocio.lut.comments import one_line
+from facecrf_ocio.lut.comments import remark
 from facecrf_ocio.lut.formats.icc import (
     CONNECTION_WHITE,
     COPYRIGHT,
@@ -34,7 +34,7 @@ from facecrf_ocio.values import Float, InverseCRF, Primaries
 def icc_v4_bytes(transform: LutTransform, comments: Sequence[str] = ()) -> bytes:
     """Return a profile's bytes (ICC.1:2022); primaries that are not known stand for Rec.709."""
     floats = _elements(transform.curve, transform.primaries)
-    text = "\n".join((COPYRIGHT, *map(one_line, comments)))
+    text = "\n".join((COPYRIGHT, *map(remark, comments)))
     tags = {
         b"desc": _localized(DESCRIPTION),
         b"cprt": _localized(text),

@@ -76,7 +76,7 @@ def decode(path: Path, picture: Picture) -> Pixels:
 
 def _require_pixels(path: Path, source: Any, codes: Any) -> Pixels:
     """What a decoder gave, if it gave all of it."""
-    problem = one_line(complaint(source.geterror), path) if source.has_error else ""
+    problem = first_line(complaint(source.geterror), path) if source.has_error else ""
     if _UNKNOWN_COMPRESSION.search(problem):
         raise PhotoError(path, f"is compressed as cannot be undone here ({problem})", _COMPRESS)
     if _UNKNOWN_JPEG.match(problem):
@@ -86,7 +86,7 @@ def _require_pixels(path: Path, source: Any, codes: Any) -> Pixels:
     return np.asarray(codes)
 
 
-def one_line(text: str, path: Path) -> str:
+def first_line(text: str, path: Path) -> str:
     """First line of a decoder's complaint, without the names of the file and of a mended copy."""
     first = re.sub(r' *\("[^"]*"\)', "", text.strip().partition("\n")[0])
     first = re.sub(rf'"(?:{re.escape(str(path))}|[^"]*/{MENDED})"', "it", first)
