@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from facecrf_ocio.lut.lint.finding import ERROR, WARNING, Finding, Table
+from facecrf_ocio.lut.lint.finding import CODE_WHITES, ERROR, WARNING, Finding, Table
 from facecrf_ocio.values import Bool, Float
 
 # Of the 201 measured inverse responses of DoRF the steepest has a slope of 153, and no camera
@@ -19,7 +19,6 @@ _STEEPEST, _STEEPEST_SLOPE, _STEEPEST_OF_MANY = 0.5, 400.0, 0.1
 _STANDS_OUT, _STANDS_OUT_AT_AN_END = 4.0, 20.0
 _FEWEST = 16  # entries within the ends, for a bend to stand out
 _ROUNDING = 1e-6  # of a value, by which decimals of a rising table may fall
-_CODE_WHITES = (255.0, 1023.0, 4095.0, 65535.0)  # white of 8, 10, 12 and 16 bits
 _DARKEST_WHITE = 1e-3  # ten stops below white; the fraction of an integer white is 1e-3 or less
 _NO_NUMBER = "an entry is NaN or infinite"
 _HALF_FLOATS, _NEGATIVE_ZERO = 65536, 32768  # half floats there are, and the bits of -0.0
@@ -125,7 +124,7 @@ def _white(path: Path, name: str, lines: Lines, values: Float, table: Table) -> 
     """Whether a table's largest value looks like one of another range."""
     white = float(values[np.isfinite(values)].max(initial=0.0))
     at = lines[int(np.argmax(values))]
-    if not table.step and any(abs(white - code) < 0.5 for code in _CODE_WHITES):
+    if not table.step and any(abs(white - code) < 0.5 for code in CODE_WHITES):
         problem = f"{name} goes up to {white:g}, a code value where 1 is white"
         return [Finding(path, at, ERROR, problem, f"divide the table by {white:g}")]
     if 0.0 < white < _DARKEST_WHITE:

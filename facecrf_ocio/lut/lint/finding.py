@@ -9,6 +9,8 @@ from functools import lru_cache
 from pathlib import Path
 
 ERROR, WARNING = "error", "warning"
+CODE_WHITES = (255.0, 1023.0, 4095.0, 65535.0)
+"""White of 8, 10, 12 and 16 bits, where a table holds codes and not fractions."""
 DECIMAL_COMMA = re.compile(r"\d,\d")
 MOST_ENTRIES = 300_000
 """Of a 1-D table: OpenColorIO reads no more from text files, and no curve needs as many."""

@@ -8,6 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from facecrf_ocio.lut.lint.finding import (
+    CODE_WHITES,
     DECIMAL_COMMA,
     ERROR,
     MOST_ENTRIES,
@@ -20,8 +21,6 @@ from facecrf_ocio.lut.lint.finding import (
     number,
 )
 
-# Scene-linear light may go anywhere; where codes were meant, it ends at one of these.
-_HIGHEST_CODES = (255.0, 1023.0, 4095.0, 65535.0)
 _KEYWORDS = {
     *("version", "from", "length", "components", "{"),
     *("lut_1d_size", "lut_1d_input_range", "lut_3d_size", "lut_3d_input_range"),
@@ -145,7 +144,7 @@ class _Read:
                 self.add(line, f"{of} is reversed", "write the lower end first")
             elif not values[0] < values[-1]:
                 self.add(line, f"{of} is empty", "write 0 to 1")
-            elif values[-1] in _HIGHEST_CODES:
+            elif values[-1] in CODE_WHITES:  # scene-linear light may go anywhere else
                 problem = f"{of} goes up to {values[-1]:g}, where OpenColorIO's codes go to 1"
                 self.add(line, problem, "write 0 to 1", WARNING)
 
