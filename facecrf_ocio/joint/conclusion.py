@@ -97,7 +97,8 @@ def conclude(
     leanings = [(e.leaning, e.phone) for e in telling or evidence] or [(UNTOLD, 0.0)]
     weights = model.prior.weights_for(prior, *np.mean(leanings, axis=0).tolist())
     known = known_responses((one.camera for one in telling), model.prior, cameras)
-    posterior, dissent = _fused(named, model.prior, weights, known, correlation)
+    stretches = {n: e.stretch * stretch_of_exposure(e.coverage) for n, e in named.items()}
+    posterior, dissent = _fused(named, stretches, model.prior, weights, known, correlation)
     posterior = besides(posterior) if besides and telling else posterior
     alike = strictly_increasing([model.prior.samples(posterior.mean)] * len(CHANNELS))
     found = inverse_crf(model.prior.grid, alike)
@@ -177,15 +178,16 @@ def misfit(evidence: PhotoEvidence, estimate: Estimate, model: JointModel | None
     if not evidence.messages or estimate.coefficients is None:
         return 0.0
     weights = model.prior.weights_for("auto", evidence.leaning, evidence.phone)
-    own, _ = _fused({"photo": evidence}, model.prior, weights, {})
+    # Edits darken faces too, and must not hide behind that: the stretch is what cues say.
+    own, _ = _fused({"photo": evidence}, {"photo": evidence.stretch}, model.prior, weights, {})
     offset = own.mean - estimate.coefficients[0]
     distance = float(offset @ np.linalg.solve(own.covariance, offset))
-    # An edit makes a face dark as well, and must not hide behind that: limits are of what cues say.
-    return float(np.sqrt(distance / offset.size)) * stretch_of_exposure(evidence.coverage)
+    return float(np.sqrt(distance / offset.size))
 
 
 def _fused(
     telling: Mapping[str, PhotoEvidence],
+    stretches: Mapping[str, float],
     prior: FamilyPrior,
     weights: Float,
     known: Mapping[tuple[str, str], KnownResponse],
@@ -195,7 +197,8 @@ def _fused(
 
     Photos are averaged as posteriors and not multiplied as likelihoods: the networks were trained
     for what one photo's messages leave of the prior, and several photos share what is wrong in it.
-    What is known of their camera is the same message for all of them, and counts once at the end.
+    The posterior of each is widened by its stretch. What is known of their camera is the same
+    message for all of them, and counts once at the end.
     """
     of_photos: dict[str, Message] = {}
     outvoted = []
@@ -216,7 +219,6 @@ def _fused(
     if not of_photos:
         return prior.posterior(None, weights), ()
     shares = agreeing_shares(of_photos, prior, weights)
-    stretches = {n: e.stretch * stretch_of_exposure(e.coverage) for n, e in telling.items()}
     outvoted += [photo for photo, share in shares.items() if share < 0.5]
     posteriors = [
         widened(prior.posterior(message, weights), stretches[photo])
