@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -14,7 +15,7 @@ from facecrf_ocio.face.geometry import FaceGeometry, face_geometry
 from facecrf_ocio.files.threads import OtherThread
 from facecrf_ocio.photo.raster.pixels import Pixels, code_values, in_8_bits
 from facecrf_ocio.settings import FaceSettings
-from facecrf_ocio.values import Face, Photo
+from facecrf_ocio.values import Bool, Face, Photo
 
 _MANY_ROWS = 4  # of a photo for one at working size: from there on codes are summed first
 MIN_SKIN_PIXELS = 400  # of a face 160 px wide, a square of 20 px; fewer tell of one spot
@@ -40,6 +41,17 @@ class FaceView:
     encoded: npt.NDArray[np.float32]
     geometry: FaceGeometry
     frame: tuple[float, float, float, float]
+
+    def within(self, part: Sequence[int]) -> Bool:
+        """(H, W) the convex hull of some vertices, in whole pixels.
+
+        The limits of parts were set so: hulls of sixteenths of a pixel, as the margins of the mesh
+        are measured from, change what is said of 5 of 363 portraits, inverted, swapped or neither.
+        """
+        mask = np.zeros(self.encoded.shape[:2], np.uint8)
+        points = np.rint(self.geometry.vertices[list(part), :2]).astype(np.int32)
+        cv2.fillConvexPoly(mask, cv2.convexHull(points), 1)
+        return mask > 0
 
 
 def cut_face(

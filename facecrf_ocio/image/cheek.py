@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import cv2
 import numpy as np
 
 from facecrf_ocio.color.primaries import LUMINANCE
 from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.face.skin_mask import find_skin
-from facecrf_ocio.face.view import MIN_SKIN_PIXELS, FaceView, cut_face
+from facecrf_ocio.face.view import MIN_SKIN_PIXELS, cut_face
 from facecrf_ocio.settings import FaceSettings
-from facecrf_ocio.values import Bool, Face, InverseCRF, Photo
+from facecrf_ocio.values import Face, InverseCRF, Photo
 
 # Vertices of the face mesh around each cheek, below the eye and beside nose and mouth.
 _RIGHT_CHEEK = (50, 101, 36, 205, 187, 123, 117, 118)
@@ -36,12 +35,6 @@ def lit_cheek(photo: Photo, curve: InverseCRF, known: Sequence[Face] = ()) -> fl
     diffuse = find_skin(view.encoded, view.geometry.bare_skin, settings).diffuse
     linear = view.encoded if photo.scene_linear else curve.linearize(view.encoded)
     luminance = linear @ LUMINANCE
-    sides = [_inside(view, cheek) & diffuse for cheek in (_RIGHT_CHEEK, _LEFT_CHEEK)]
+    sides = [view.within(cheek) & diffuse for cheek in (_RIGHT_CHEEK, _LEFT_CHEEK)]
     seen = [float(np.median(luminance[side])) for side in sides if side.sum() >= _LEAST]
     return max(seen, default=None)
-
-
-def _inside(view: FaceView, cheek: tuple[int, ...]) -> Bool:
-    outline = np.rint(view.geometry.vertices[list(cheek), :2]).astype(np.int32)
-    filled = np.zeros(view.encoded.shape[:2], np.uint8)
-    return np.asarray(cv2.fillConvexPoly(filled, cv2.convexHull(outline), 1) > 0)

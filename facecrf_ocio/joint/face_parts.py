@@ -74,7 +74,7 @@ def _above_skin(view: FaceView, luma: Float, parts: Sequence[Sequence[int]]) -> 
     around = cv2.getStructuringElement(cv2.MORPH_RECT, (2 * reach + 1, 2 * reach + 1))
     above = []
     for part in parts:
-        inside = _inside(view, part)
+        inside = view.within(part)
         ring = (cv2.dilate(inside.astype(np.uint8), around) > 0) & view.geometry.bare_skin
         if min(np.count_nonzero(inside), np.count_nonzero(ring)) >= _FEWEST:
             above.append(float(luma[inside].mean() - np.median(luma[ring])))
@@ -88,7 +88,7 @@ def _is_swapped(view: FaceView, pixels: Pixels) -> bool:
     brightest = np.asarray(cv2.max(cv2.max(red, green), blue))
     low, high = (code / 255 for code in _CLIPPED)
     skin = view.geometry.bare_skin & (darkest > low) & (brightest < high)
-    parts = (skin, _eyes(view), _inside(view, regions.LIPS))
+    parts = (skin, _eyes(view), view.within(regions.LIPS))
     if min(np.count_nonzero(part) for part in parts) < _FEWEST:
         return False
     of_skin, of_eyes, of_lips = (
@@ -107,12 +107,4 @@ def _bluer(blue: Float32, green: Float32) -> Float:
 
 
 def _eyes(view: FaceView) -> Bool:
-    return _inside(view, regions.RIGHT_EYE) | _inside(view, regions.LEFT_EYE)
-
-
-def _inside(view: FaceView, part: Sequence[int]) -> Bool:
-    """(H, W) the convex hull of some vertices."""
-    mask = np.zeros(view.encoded.shape[:2], np.uint8)
-    points = np.rint(view.geometry.vertices[list(part), :2]).astype(np.int32)
-    cv2.fillConvexPoly(mask, cv2.convexHull(points), 1)
-    return mask > 0
+    return view.within(regions.RIGHT_EYE) | view.within(regions.LEFT_EYE)
