@@ -1,12 +1,20 @@
-"""Which page of a TIFF is the photo, and whether camera raw hides behind the suffix."""
+"""Which picture of a TIFF is the photo, and whether camera raw hides behind the suffix."""
 
 from __future__ import annotations
 
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 # TIFF 6.0, TIFF/EP and DNG 1.7: tags of a directory.
-_SUBFILE, _PHOTOMETRIC, _SUB_DIRECTORIES, _DNG_VERSION = 254, 262, 330, 50706
+_SUBFILE, _WIDTH, _LENGTH, _PHOTOMETRIC, _SUB_DIRECTORIES, _DNG_VERSION = (
+    254,
+    256,
+    257,
+    262,
+    330,
+    50706,
+)
 # PhotometricInterpretation of mosaics and of demosaiced raw (DNG 1.4).
 _FILTER_ARRAY, _LINEAR_RAW = 32803, 34892
 _REDUCED, _MASK = 1, 4  # bits of NewSubfileType
@@ -34,20 +42,49 @@ def photo_page(pages: list[Page]) -> int:
 
 def holds_raw(content: bytes) -> bool:
     """Whether a TIFF is camera raw: a DNG, or one with a sensor's pixels in any directory."""
-    order = {b"II": "<", b"MM": ">"}.get(content[:2])
-    if order is None or content[2:4] not in (b"*\0", b"\0*"):
-        return False
-    waiting, seen = [_unpack(order + "I", content, 4)], set[int]()
+    return any(
+        _DNG_VERSION in tags or {_FILTER_ARRAY, _LINEAR_RAW} & set(tags.get(_PHOTOMETRIC, ()))
+        for _, tags, _ in _directories(content)
+    )
+
+
+def with_photo_first(content: bytes) -> bytes | None:
+    """The same TIFF with the photo as its first page; None where its pages hold the photo.
+
+    TIFF/EP and some programs keep a thumbnail as the page and the photo in a directory below it
+    (SubIFDs), where readers of pages do not come.
+    """
+    pages, below = [0], [(0, 0)]
+    for at, tags, is_below in _directories(content):
+        pixels = next(iter(tags.get(_WIDTH, ())), 0) * next(iter(tags.get(_LENGTH, ())), 0)
+        if not is_below:
+            pages.append(pixels)
+        elif not Page(pixels, next(iter(tags.get(_SUBFILE, ())), 0)).is_aside:
+            below.append((pixels, at))
+    pixels, at = max(below, key=lambda one: (one[0], -one[1]))
+    if pixels <= max(pages):
+        return None
+    return b"".join((content[:4], struct.pack(_order(content) + "I", at), content[8:]))
+
+
+def _order(content: bytes) -> str:
+    """Of bytes, as `struct` has it; empty where the content is no TIFF with offsets of 32 bits."""
+    is_tiff = content[2:4] in (b"*\0", b"\0*")
+    return {b"II": "<", b"MM": ">"}.get(content[:2], "") if is_tiff else ""
+
+
+def _directories(content: bytes) -> Iterator[tuple[int, dict[int, tuple[int, ...]], bool]]:
+    """Offset and tags of each directory, and whether it lies below a page."""
+    order = _order(content)
+    waiting, seen = [(_unpack(order + "I", content, 4), False)] if order else [], set[int]()
     while waiting and len(seen) < _MOST:
-        at = waiting.pop()
+        at, is_below = waiting.pop()
         if at in seen or at == 0:
             continue
         seen.add(at)
         tags, following = _directory(order, content, at)
-        if _DNG_VERSION in tags or {_FILTER_ARRAY, _LINEAR_RAW} & set(tags.get(_PHOTOMETRIC, ())):
-            return True
-        waiting += [*tags.get(_SUB_DIRECTORIES, ()), following]
-    return False
+        yield at, tags, is_below
+        waiting += [*((sub, True) for sub in tags.get(_SUB_DIRECTORIES, ())), (following, is_below)]
 
 
 def _directory(order: str, content: bytes, at: int) -> tuple[dict[int, tuple[int, ...]], int]:

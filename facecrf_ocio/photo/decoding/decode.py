@@ -53,9 +53,24 @@ def _bands(path: Path, source: Any, kind: Any) -> Iterator[tuple[slice, Pixels]]
     spec = source.spec()
     for top in range(0, spec.height, _BAND_ROWS):
         end = min(top + _BAND_ROWS, spec.height)
-        read = source.read_scanlines(spec.y + top, spec.y + end, 0, 0, spec.nchannels, kind)
-        codes = _require_pixels(path, source, read)
+        codes = _require_pixels(path, source, _rows(source, top, end, kind))
         yield slice(top, end), codes.reshape(end - top, spec.width, spec.nchannels)
+
+
+def _rows(source: Any, top: int, end: int, kind: Any) -> Any:
+    """Rows of all channels, or nothing if there is an error."""
+    spec = source.spec()
+
+    def read(top: int, end: int) -> Any:
+        return source.read_scanlines(spec.y + top, spec.y + end, 0, 0, spec.nchannels, kind)
+
+    rows = read(top, end)
+    if rows is not None or source.has_error or end - top == 1 or source.format_name() != "tiff":
+        return rows
+    # OpenImageIO inflates strips by itself, which knows no reversed bits (FillOrder 2); single rows
+    # come by libtiff, which does, and which says what is wrong otherwise.
+    single = [read(row, row + 1) for row in range(top, end)]
+    return None if any(row is None for row in single) else np.concatenate(single)
 
 
 def decode(path: Path, picture: Picture) -> Pixels:
@@ -67,6 +82,8 @@ def decode(path: Path, picture: Picture) -> Pixels:
         shape = spec.height, spec.width, spec.nchannels
         return filled(np.empty(shape, np.uint8), _bands(path, source, kind))
     read = source.read_image(picture.page, 0, 0, spec.nchannels, kind)
+    if read is None and not source.has_error and spec.tile_width == 0:
+        read = _rows(source, 0, spec.height, kind)
     codes = _require_pixels(path, source, read)
     if kind != oiio.UINT8 and spec.get_int_attribute(PHOTOMETRIC, -1) == _WHITE_IS_ZERO:
         white = 65535 if kind == oiio.UINT16 else 1

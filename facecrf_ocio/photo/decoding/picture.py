@@ -14,7 +14,12 @@ import OpenImageIO as oiio  # noqa: N813
 from facecrf_ocio.files.plain_text import complaint, plain_text
 from facecrf_ocio.photo.containers.jpeg_segments import JpegParts, take_apart
 from facecrf_ocio.photo.containers.suffixes import HEAD, RAW, Kind, kind_named, kind_of
-from facecrf_ocio.photo.containers.tiff_pages import Page, holds_raw, photo_page
+from facecrf_ocio.photo.containers.tiff_pages import (
+    Page,
+    holds_raw,
+    photo_page,
+    with_photo_first,
+)
 from facecrf_ocio.photo.decoding.channels import rgb_channels
 from facecrf_ocio.photo.tags.xmp import xmp_of
 
@@ -83,7 +88,15 @@ FIRST_OF_SEVERAL = "the first of several pictures was read"
 """Note on a file that holds more, none of them the photo before the others."""
 
 MENDED = "picture.jpg"
-"""Name of the copy of a mended JPEG, in a folder of its own."""
+"""Name of the copy of a mended file, most of which are JPEGs, in a folder of its own."""
+
+_BELOW = "the photo was read that lies below its first page, a thumbnail"
+_OF_PIXELS = (
+    "tiff",
+    "oiio",
+    "compression",
+    "planarconfig",
+)  # attributes, by what their names start with
 
 
 @dataclass(slots=True)
@@ -104,11 +117,17 @@ class Picture:
     page: int = 0
     notes: tuple[str, ...] = ()
     kept: Any = None
+    page_above: Any = None
 
     @property
     def spec(self) -> Any:
-        """What OpenImageIO says of it."""
-        return self.source.spec()
+        """What OpenImageIO says of it, and of its camera where the page above it alone tells."""
+        spec = oiio.ImageSpec(self.source.spec())
+        for told in () if self.page_above is None else self.page_above.extra_attribs:
+            of_pixels = told.name.partition(":")[0] in _OF_PIXELS
+            if not of_pixels and spec.getattribute(told.name) is None:
+                spec.attribute(told.name, told.type, told.value)
+        return spec
 
     def close(self) -> None:
         """Let the file go, and the copy of it, if one was made."""
@@ -127,24 +146,27 @@ def open_image(path: Path) -> Any | None:
 def open_picture(file: PhotoFile) -> Picture | None:
     """Open what is the photo in a file; None if OpenImageIO cannot."""
     if file.jpeg is not None and file.jpeg.picture != file.content:
-        return _open_mended(file.jpeg, file.xmp)
+        return _open_copy(file.jpeg.picture, tuple(_mended(file.jpeg, file.xmp)))
     source = open_image(file.path)
     if source is None:
         return None
+    photo_first = with_photo_first(file.content) if source.format_name() == "tiff" else None
+    if photo_first is not None:
+        return _open_copy(photo_first, (_BELOW,), source.spec())
     choose = {"tiff": _at_photo, "openexr": _at_colors, "gif": _at_first}
     return choose.get(source.format_name(), Picture)(source)
 
 
-def _open_mended(jpeg: JpegParts, xmp: str) -> Picture | None:
+def _open_copy(content: bytes, notes: tuple[str, ...], page: Any = None) -> Picture | None:
     """OpenImageIO reads files alone, and takes an appended gain map for a part of the pixels."""
     folder = tempfile.TemporaryDirectory(prefix="facecrf-")
     copy = Path(folder.name) / MENDED
-    copy.write_bytes(jpeg.picture)
+    copy.write_bytes(content)
     source = open_image(copy)
     if source is None:
         folder.cleanup()
         return None
-    return Picture(source, 0, tuple(_mended(jpeg, xmp)), folder)
+    return Picture(source, 0, notes, folder, page)
 
 
 def _mended(jpeg: JpegParts, xmp: str) -> list[str]:
