@@ -529,3 +529,30 @@ def test_a_png_with_a_chunk_that_must_be_known(tmp_path: Path, capfd) -> None:
     with pytest.raises(PhotoError, match=r"critical PNG chunk.*ordinary PNG"):
         read_photo(tmp_path / "a.png")
     assert capfd.readouterr().err == ""  # where libpng would write a line of its own
+
+
+class TestPrimariesOfPng:
+    P3 = struct.pack(">8I", 31270, 32900, 68000, 32000, 26500, 69000, 15000, 6000)
+
+    @pytest.mark.parametrize(
+        ("chunks", "primaries"),
+        [
+            ([chunk(b"cHRM", P3)], "Display P3"),
+            ([chunk(b"cHRM", P3), chunk(b"sRGB", b"\0")], None),  # PNG, third edition, 4.3
+            ([chunk(b"cHRM", P3), chunk(b"cICP", bytes((9, 13, 0, 1)))], "Rec.2020"),
+            ([chunk(b"cHRM", bytes(32))], None),
+            ([chunk(b"cHRM", P3[:9])], None),
+        ],
+    )
+    def test_by_chromaticities(self, tmp_path: Path, chunks, primaries: str | None) -> None:
+        (tmp_path / "a.png").write_bytes(with_chunks(*chunks))
+        found = read_photo(tmp_path / "a.png").primaries
+        assert (None if found is None else found.name) == primaries
+
+
+def test_a_profile_of_which_a_segment_is_lost_is_told(tmp_path: Path) -> None:
+    part = segment(0xE2, b"ICC_PROFILE\0\x01\x02" + PROFILE[:200])
+    (tmp_path / "a.jpg").write_bytes(with_segments(JPEG, part))
+    photo = read_photo(tmp_path / "a.jpg")
+    assert photo.primaries is None
+    assert photo.notes == ("its ICC profile was set aside: it is not whole",)

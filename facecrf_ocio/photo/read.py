@@ -149,6 +149,8 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
     gain_map, set_aside = (None, ()) if file.jpeg is None else jpeg_gain_map(file.jpeg, turn)
     camera = camera_of(spec)
     edits = edits_told(file.xmp, camera.software, made_by(spec, file.content, camera))
+    primaries = primaries_of(spec, icc, file.content)
+    profile_told = profile_notes(icc) if icc else _profile_lost(file)
     file.forget()
     pixels, alpha = _decoded(path, picture, channels, turn, bits)
     alpha, unseen = shown(alpha)
@@ -162,19 +164,25 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
         "scene_linear": scene_linear,
         "named_curve": "" if scene_linear else curve,
         "grayscale": len(channels) == 1 or is_gray(pixels),
-        "primaries": primaries_of(spec, icc),
+        "primaries": primaries,
         "camera": camera,
         "path": path,
         "sha256": ask_sha256(),
         "gain_map": gain_map,
         "edits": edits,
-        "notes": (*picture.notes, *profile_notes(icc), *set_aside, *unseen),
+        "notes": (*picture.notes, *profile_told, *set_aside, *unseen),
     }
     if pixels.dtype == np.uint8:
         return Photo.of_codes(pixels, **told)
     # Filters of renderers overshoot a little; colors are divided by what the file has.
     alpha = None if alpha is None else frozen(alpha.clip(0.0, 1.0), np.float32)
     return Photo(pixels, bit_depth=bit_depth_of(spec, bits), alpha=alpha, **told)
+
+
+def _profile_lost(file: PhotoFile) -> tuple[str, ...]:
+    """A note on a JPEG of whose ICC profile not all segments are there."""
+    begun = file.jpeg is not None and file.jpeg.contents(0xE2, b"ICC_PROFILE\0")
+    return ("its ICC profile was set aside: it is not whole",) if begun else ()
 
 
 def _decoded(

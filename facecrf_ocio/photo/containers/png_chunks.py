@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import struct
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -58,11 +59,27 @@ def has_void_gamma(content: bytes) -> bool:
 
     OpenImageIO takes it for linear.
     """
-    if not content.startswith(_SIGNATURE):
-        return False
-    for chunk in chunks(io.BytesIO(content)):
-        if chunk.kind == b"IDAT":
-            break
-        if chunk.kind == b"gAMA":
-            return not any(chunk.data)
-    return False
+    gamma = _before_pixels(content, b"gAMA")
+    return gamma is not None and not any(gamma)
+
+
+def chromaticities_told(content: bytes) -> tuple[float, ...] | None:
+    """CIE xy of red, green, blue and white by a PNG's cHRM (11.3.2.1); None where there is none.
+
+    OpenImageIO does not pass them on.
+    """
+    told = _before_pixels(content, b"cHRM")
+    is_srgb = _before_pixels(content, b"sRGB") is not None  # which goes before it (4.3)
+    if is_srgb or told is None or len(told) != 32:
+        return None
+    white_x, white_y, *colors = (number / 100_000 for number in struct.unpack(">8I", told))
+    return (*colors, white_x, white_y)
+
+
+def _before_pixels(content: bytes, kind: bytes) -> bytes | None:
+    """What the first chunk of a kind before the pixels of a PNG holds; None where there is none."""
+    if content.startswith(_SIGNATURE):
+        for chunk in chunks(io.BytesIO(content)):
+            if chunk.kind in (kind, b"IDAT"):
+                return chunk.data if chunk.kind == kind else None
+    return None

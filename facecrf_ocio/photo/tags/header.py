@@ -11,6 +11,7 @@ import OpenImageIO as oiio  # noqa: N813
 from facecrf_ocio.color.primaries import known_primaries, name_primaries
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import plain_text
+from facecrf_ocio.photo.containers.png_chunks import chromaticities_told
 from facecrf_ocio.photo.tags.cicp import LINEAR, of_numbers
 from facecrf_ocio.photo.tags.edits import made_as_told
 from facecrf_ocio.photo.tags.named_curve import is_other_curve
@@ -88,7 +89,7 @@ def icc_profile(spec: Any) -> bytes:
     return b"" if profile is None else bytes(bytearray(profile))
 
 
-def primaries_of(spec: Any, icc: bytes) -> Primaries | None:
+def primaries_of(spec: Any, icc: bytes, content: bytes = b"") -> Primaries | None:
     """Primaries by ICC profile, else file attributes, else EXIF; None where none of them tells."""
     by_profile = primaries_from_icc(icc)
     if by_profile is not None:
@@ -97,7 +98,7 @@ def primaries_of(spec: Any, icc: bytes) -> Primaries | None:
     by_numbers = None if told is None else told.named_primaries()
     if by_numbers is not None:
         return by_numbers
-    chromaticities = spec.getattribute("chromaticities")
+    chromaticities = spec.getattribute("chromaticities") or chromaticities_told(content)
     if chromaticities is not None and len(chromaticities) == 8:
         return name_primaries(chromaticities, "file attribute")
     space = spec.get_string_attribute("oiio:ColorSpace").lower()
