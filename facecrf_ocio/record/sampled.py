@@ -111,10 +111,10 @@ def _knots(row: Float) -> npt.NDArray[np.intp] | None:
     while 4 * knots.size < row.size:
         error = np.abs(np.interp(places, knots, row[knots]) - row)
         worst = np.maximum.reduceat(error, knots)
-        if not (worst > limit).any():
+        far = np.flatnonzero(worst > limit)
+        if far.size == 0:
             return knots
-        gap = np.repeat(np.arange(knots.size), np.diff(knots, append=row.size))
-        candidates = np.flatnonzero((error > limit) & (error == worst[gap]))
-        first = np.flatnonzero(np.diff(gap[candidates], prepend=-1))
-        knots = np.sort(np.concatenate([knots, candidates[first]]))
+        gaps = zip(knots[far].tolist(), knots[far + 1].tolist(), strict=True)
+        between = [first + int(error[first:end].argmax()) for first, end in gaps]
+        knots = np.sort(np.concatenate([knots, between]))
     return None
