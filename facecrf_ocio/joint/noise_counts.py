@@ -47,6 +47,7 @@ _EDGE_SIZES = 2  # as stored and at half of it; chosen by judgment, and trained 
 # Windows counted at once: by the call one takes two fifths more time and three a tenth; nine, all
 # of a photo's, gain no more, and need a cache of twice the size.
 _AT_ONCE = 5
+_EDGES = np.append(np.maximum(RESIDUES - 0.5, 0.0), LARGEST + 0.5)  # of the bins of residues
 _MOST_DIFFERENCE = 32  # codes: what counts of a difference for blocks, lest edges outweigh all
 
 Codes = npt.NDArray[np.uint8]
@@ -148,16 +149,16 @@ def quantile(counts: Float, share: float) -> Float:
     Rounding to 8 bits leaves few distinct numbers, whose plain quantile would jump: a number counts
     for half a unit on either side.
     """
-    edges = np.append(np.maximum(RESIDUES - 0.5, 0.0), LARGEST + 0.5)
     below = np.cumsum(counts, axis=-1)
-    total = below[..., -1:]
+    total = below[..., -1]
     wanted = share * total
-    place = np.minimum((below < wanted).sum(axis=-1, keepdims=True), counts.shape[-1] - 1)
-    inside = np.take_along_axis(counts, place, -1)
-    before = np.take_along_axis(below, place, -1) - inside
-    part = (wanted - before) / np.maximum(inside, 1e-12)
-    found = edges[place] + np.clip(part, 0.0, 1.0) * (edges[place + 1] - edges[place])
-    return np.where(total > 0.0, found, 0.0)[..., 0]
+    bins = counts.shape[-1]
+    place = np.minimum((below < wanted[..., None]).sum(axis=-1), bins - 1)
+    there = bins * np.arange(place.size).reshape(place.shape) + place
+    inside = counts.take(there)
+    part = (wanted - (below.take(there) - inside)) / np.maximum(inside, 1e-12)
+    found = _EDGES[place] + np.clip(part, 0.0, 1.0) * (_EDGES[place + 1] - _EDGES[place])
+    return np.asarray(np.where(total > 0.0, found, 0.0))
 
 
 @dataclass(slots=True, eq=False)
