@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +53,7 @@ def _processor(path: Path, source: str, way: Any, between: Any) -> Any:
         ocio.ClearAllCaches()
         transform = ocio.FileTransform(src=source, interpolation=between)
         # An empty context keeps it from expanding $HOME and the like in the folder's name.
-        return ocio.Config.CreateRaw().getProcessor(ocio.Context(), transform, way)
+        return _raw_config().getProcessor(ocio.Context(), transform, way)
     except (ocio.Exception, UnicodeDecodeError) as error:  # its reason may quote a damaged file
         reason = plain_text(error, limit=sys.maxsize).replace(source, path.name)
         raise RefusedError(" ".join(reason.split())) from error
@@ -60,6 +61,14 @@ def _processor(path: Path, source: str, way: Any, between: Any) -> Any:
         raise RefusedError("it cannot read from a folder whose name is not Unicode") from error
     finally:
         ocio.ClearAllCaches()
+
+
+@cache
+def _raw_config() -> Any:
+    """A config without color spaces, which does not keep processors as others do."""
+    config = ocio.Config.CreateRaw()
+    config.setProcessorCacheFlags(ocio.PROCESSOR_CACHE_OFF)
+    return config
 
 
 def exact_cpu(processor: Any, depth: Any = ocio.BIT_DEPTH_F32) -> Any:
