@@ -141,6 +141,8 @@ class TestMetadata:
             ("Rec.2020", "lin_rec2020_scene"),
             ("Adobe RGB", "lin_adobergb_scene"),
             ("ProPhoto", "unknown"),
+            ("AP0", "lin_ap0_scene"),
+            ("AP1", "lin_ap1_scene"),
         ],
     )
     def test_primaries(self, tmp_path: Path, name: str, interop_id: str) -> None:
@@ -152,6 +154,19 @@ class TestMetadata:
         assert header.get_string_attribute("facecrf:primaries") == f"{name} by ICC profile"
         expected = np.ravel(KNOWN_PRIMARIES[name])
         assert np.allclose(header.getattribute("chromaticities"), expected, atol=1e-6)
+
+    def test_an_exr_in_acescg_stays_what_it_is(self, tmp_path: Path) -> None:
+        told = np.ravel(KNOWN_PRIMARIES["AP1"]).tolist()
+        spec = oiio.ImageSpec(16, 12, 3, oiio.HALF)
+        spec.attribute("chromaticities", oiio.TypeDesc("float[8]"), told)
+        out = oiio.ImageOutput.create("a.exr")
+        assert out.open(str(tmp_path / "a.exr"), spec)
+        out.write_image(np.full((12, 16, 3), 0.5, np.float32))
+        out.close()
+        photo = read_photo(tmp_path / "a.exr")
+        header = header_of(write_exr(tmp_path / "b.exr", photo.encoded, photo, provenance={}).path)
+        assert header.get_string_attribute("colorInteropID") == "lin_ap1_scene"
+        assert np.allclose(header.getattribute("chromaticities"), told, atol=1e-6)
 
     def test_primaries_that_nobody_told_are_not_guessed(self, tmp_path: Path) -> None:
         photo = Photo(np.zeros((2, 3, 3), np.float32))

@@ -10,15 +10,18 @@ from facecrf_ocio.values import Primaries
 
 D65 = (0.3127, 0.3290)  # [CIE xy] as ITU-R BT.709 rounds it
 D50 = (0.3457, 0.3585)  # [CIE xy] as ISO 22028-2 rounds it
+_ACES_WHITE = (0.32168, 0.33767)  # [CIE xy] SMPTE ST 2065-1
 
 # Red, green, blue, white as published: ITU-R BT.709, SMPTE EG 432-1, Adobe RGB (1998),
-# ITU-R BT.2020, ISO 22028-2 (ROMM).
+# ITU-R BT.2020, ISO 22028-2 (ROMM), SMPTE ST 2065-1 (AP0), Academy S-2014-004 (AP1).
 KNOWN_PRIMARIES = {
     "Rec.709": ((0.640, 0.330), (0.300, 0.600), (0.150, 0.060), D65),
     "Display P3": ((0.680, 0.320), (0.265, 0.690), (0.150, 0.060), D65),
     "Adobe RGB": ((0.640, 0.330), (0.210, 0.710), (0.150, 0.060), D65),
     "Rec.2020": ((0.708, 0.292), (0.170, 0.797), (0.131, 0.046), D65),
     "ProPhoto": ((0.7347, 0.2653), (0.1596, 0.8404), (0.0366, 0.0001), D50),
+    "AP0": ((0.7347, 0.2653), (0.0, 1.0), (0.0001, -0.0770), _ACES_WHITE),
+    "AP1": ((0.713, 0.293), (0.165, 0.830), (0.128, 0.044), _ACES_WHITE),
 }
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])

@@ -10,7 +10,6 @@ from facecrf_ocio.color.primaries import CIE_XYZ, D65, KNOWN_PRIMARIES
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.values import Primaries
 
-ACES_WHITE = (0.32168, 0.33767)  # [CIE xy] SMPTE ST 2065-1
 _NAMES = {
     "acescg": "AP1",
     "lin_rec709": "Rec.709",
@@ -18,13 +17,8 @@ _NAMES = {
     "aces2065-1": "AP0",
 }
 
-# Red, green, blue, white as published: SMPTE ST 2065-1 (AP0), Academy S-2014-004 (AP1),
-# ITU-R BT.709, SMPTE EG 432-1.
 WORKING_SPACES: dict[str, tuple[XY, XY, XY, XY]] = {
-    "acescg": ((0.713, 0.293), (0.165, 0.830), (0.128, 0.044), ACES_WHITE),
-    "lin_rec709": KNOWN_PRIMARIES["Rec.709"],
-    "lin_p3d65": KNOWN_PRIMARIES["Display P3"],
-    "aces2065-1": ((0.7347, 0.2653), (0.0, 1.0), (0.0001, -0.0770), ACES_WHITE),
+    space: KNOWN_PRIMARIES[name] for space, name in _NAMES.items()
 }
 
 

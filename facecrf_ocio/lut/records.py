@@ -17,7 +17,6 @@ import PyOpenColorIO as ocio  # noqa: N813
 
 from facecrf_ocio.color.adaptation import bradford, rgb_to_xyz
 from facecrf_ocio.color.primaries import CIE_XYZ, D65, KNOWN_PRIMARIES
-from facecrf_ocio.color.working_space import WORKING_SPACES, working_primaries
 from facecrf_ocio.lut.ocio_processor import exact_cpu
 from facecrf_ocio.values import Float, Primaries
 
@@ -91,9 +90,8 @@ def known_space(name: str, source: str) -> Primaries:
 
 
 def _all_spaces() -> dict[str, Any]:
-    aces = {working_primaries(name).name: WORKING_SPACES[name] for name in WORKING_SPACES}
     xyz = (CIE_XYZ.red, CIE_XYZ.green, CIE_XYZ.blue, CIE_XYZ.white)
-    return {**KNOWN_PRIMARIES, **aces, CIE_XYZ.name: xyz}
+    return {**KNOWN_PRIMARIES, CIE_XYZ.name: xyz}
 
 
 def _children(metadata: Any) -> list[Any]:
