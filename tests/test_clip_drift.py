@@ -60,6 +60,11 @@ def test_a_curve_that_stays_does_not_drift_whatever_its_bends(size, stops):
     assert not seen([bent(size)] * 12, stops).is_sure
 
 
+@pytest.mark.parametrize(("stops", "hidden"), [(STILL, False), (1.5 * TIMES, True)])
+def test_where_exposure_only_rises_nothing_can_be_told(stops, hidden):
+    assert seen([GRID**2.2] * 12, stops).is_hidden is hidden
+
+
 @pytest.mark.parametrize("course", [TIMES, 0.5 * WANDERING])
 def test_light_that_moves_over_the_picture_is_no_drift(course):
     def across(places):
@@ -85,6 +90,7 @@ def test_few_frames_or_points_in_one_corner_tell_nothing():
     assert drift_of_points(FACES, two, np.array([-0.5, 0.5]), PRIOR, 1.0) == Drift()
     six = TrackedPoints(np.repeat(three, 3, axis=0), np.ones((6, 200), bool), places)
     assert drift_of_points(FACES, six, np.linspace(-0.5, 0.5, 6), PRIOR, 1.0) == Drift()
+    assert Drift().is_hidden
 
 
 def test_where_no_points_are_frames_own_curves_tell_a_drift_beyond_their_scatter():

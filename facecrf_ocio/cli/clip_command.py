@@ -26,6 +26,7 @@ from facecrf_ocio.files.plain_text import counted
 
 if TYPE_CHECKING:
     from facecrf_ocio.clip.clip_estimate import ClipEstimate
+    from facecrf_ocio.clip.curve_drift import Drift
     from facecrf_ocio.clip.frame_list import Clip
     from facecrf_ocio.values import Estimate
 
@@ -116,11 +117,7 @@ def _notes(opened: Clip, found: ClipEstimate) -> tuple[str, ...]:
         numbers = ", ".join(str(index + 1) for index in found.frames)
         notes.append(f"frames {numbers} of {len(opened.times)}")
         notes.append(f"the face's light varies by {found.exposure_stops:.1f} stops")
-        drifts = "drifts" if found.drift.is_sure else "is not seen to drift"
-        notes.append(
-            f"the curve {drifts}: where the scene shows it, both ends lie {found.drift.stops:.3f} "
-            f"stops apart (standard error {found.drift.error:.3f})"
-        )
+        notes.append(_drift(found.drift))
         if found.drift.is_sure:
             notes.append(_course(found))
         if found.exposures_told:
@@ -134,6 +131,18 @@ def _notes(opened: Clip, found: ClipEstimate) -> tuple[str, ...]:
                 f"{shot.misfit:.1f} standard deviations from the clip's"
             )
     return tuple(notes)
+
+
+def _drift(drift: Drift) -> str:
+    if drift.is_hidden:
+        error = f"standard error {drift.error:.3f} stops: " if drift.error else ""
+        why = "exposure goes one way over time, light moves, or frames or points are few"
+        return f"whether the curve drifts cannot be told ({error}{why})"
+    drifts = "drifts" if drift.is_sure else "is not seen to drift"
+    return (
+        f"the curve {drifts}: where the scene shows it, both ends lie {drift.stops:.3f} "
+        f"stops apart (standard error {drift.error:.3f})"
+    )
 
 
 def _course(found: ClipEstimate) -> str:

@@ -58,6 +58,7 @@ _LEAKS = 0.1
 # [stop over the clip] of exposures that go one way, below which a change of the curve alone passes
 # for them: of 0.03 (RMSE) for 0.23 at most.
 _PASSES = 0.2
+_BLIND = 0.02  # [stop] of standard error: a drift of 0.04, which matters, is two of them
 _FEWEST_FRAMES = 4  # that show a change beside their scatter
 _FEW = 1.5  # of a standard error by few frames, which is not sure itself
 _FEWEST_TILES = 2 * CHANGES  # that show how parts of the picture disagree
@@ -84,6 +85,11 @@ class Drift:
     def is_sure(self) -> bool:
         """Whether it is beyond doubt."""
         return self.evidence > _SURE
+
+    @property
+    def is_hidden(self) -> bool:
+        """Whether one that matters could be there unseen, as where exposure goes one way."""
+        return not self.is_sure and not 0.0 < self.error <= _BLIND
 
 
 def drift_of_points(
