@@ -14,7 +14,10 @@ from facecrf_ocio.training.process import Process
 
 EXPOSURE = 1.1
 """[EV] Deviation of the exposure: cameras, scenes and skins differ by about one stop."""
-DARKEST, BRIGHTEST = -3.5, 2.0  # [EV] three deviations to the dark, two to the bright; by judgment
+DARKEST, BRIGHTEST = -4.0, 2.0  # [EV] by judgment
+FAR = 0.4
+"""Share of photos whose exposure is anything between those two: few photos are three stops under,
+but of those that are the curve shall not be guessed from how photos are usually exposed."""
 # Shares; chosen by judgment.
 _RESAMPLING = {cv2.INTER_AREA: 0.6, cv2.INTER_LINEAR: 0.2, cv2.INTER_CUBIC: 0.2}
 
@@ -53,7 +56,8 @@ HARDLY_PROCESSED = Shares(0.8, 0.3, 0.3, 0.12, 0.08, 0.15, 0.12, 0.12, 0.4, 0.03
 
 def draw_process(generator: np.random.Generator, shares: Shares = FROM_CAMERAS) -> Process:
     """One camera, its settings, and what became of the file."""
-    stops = float(np.clip(generator.normal(0.0, EXPOSURE), DARKEST, BRIGHTEST))
+    usual, far = generator.normal(0.0, EXPOSURE), generator.uniform(DARKEST, BRIGHTEST)
+    stops = float(np.clip(far if generator.random() < FAR else usual, DARKEST, BRIGHTEST))
     gains = np.exp(generator.normal(0.0, 0.08 if generator.random() < 0.7 else 0.2, 3))
     iso = 2.0 ** generator.uniform(-1.0, 6.0)
     small_sensor = 2.0 ** generator.uniform(-2.0, 0.0)

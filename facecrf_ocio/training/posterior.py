@@ -57,10 +57,9 @@ class PosteriorLoss:
         """Log weights (N, K) of the components as `FamilyPrior.weights_for` has them.
 
         Some photos' family is told; of some it is only told whether it is film's or a modern one;
-        of the others nothing, and film is as likely as all modern ones.
+        of the others nothing, and each is as likely as the others (`joint.metadata.UNTOLD`).
         """
-        odds = torch.where(self.family == 0, 2.0, 1.0)
-        logs = (self.log_weights + torch.log(odds))[None].expand(len(family), -1).clone()
+        logs = self.log_weights[None].expand(len(family), -1).clone()
         other = self.family[None] != family[:, None]
         other_kind = (self.family[None] == 0) != (family[:, None] == 0)
         logs[(told[:, None] & other) | (hinted[:, None] & other_kind)] = _NOT_IT
