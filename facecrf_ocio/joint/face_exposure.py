@@ -16,8 +16,8 @@ from facecrf_ocio.response.stops import CODES, MID_CODES
 from facecrf_ocio.values import Float
 
 _LEAST_IN_MIDTONES = 0.5
-"""Share of the face's pixels. Two and three stops under, of photos with less whose error was told to
-be small enough 7 of 15 would be called reliable rightly (rendered heads and real linear photos,
+"""Share of the face's pixels. Two and three stops under, of photos with less whose error was told
+to be small enough 7 of 15 would be called reliable rightly (rendered heads and real linear photos,
 responses held out), of heads with more 7 of 9."""
 _DARK_STRETCH = 1.4
 """Of deviations. On dark faces of 75 rendered heads and 60 real photos, two and three stops under,
