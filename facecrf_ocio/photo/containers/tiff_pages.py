@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
+from mmap import mmap
 
 # TIFF 6.0, TIFF/EP and DNG 1.7: tags of a directory.
 _SUBFILE, _WIDTH, _LENGTH, _PHOTOMETRIC, _SUB_DIRECTORIES, _DNG_VERSION = (
@@ -48,7 +49,7 @@ def holds_raw(content: bytes) -> bool:
     )
 
 
-def with_photo_first(content: bytes) -> bytes | None:
+def with_photo_first(content: bytes | mmap) -> bytes | None:
     """The same TIFF with the photo as its first page; None where its pages hold the photo.
 
     TIFF/EP and some programs keep a thumbnail as the page and the photo in a directory below it
@@ -67,13 +68,13 @@ def with_photo_first(content: bytes) -> bytes | None:
     return b"".join((content[:4], struct.pack(_order(content) + "I", at), content[8:]))
 
 
-def _order(content: bytes) -> str:
+def _order(content: bytes | mmap) -> str:
     """Of bytes, as `struct` has it; empty where the content is no TIFF with offsets of 32 bits."""
     is_tiff = content[2:4] in (b"*\0", b"\0*")
     return {b"II": "<", b"MM": ">"}.get(content[:2], "") if is_tiff else ""
 
 
-def _directories(content: bytes) -> Iterator[tuple[int, dict[int, tuple[int, ...]], bool]]:
+def _directories(content: bytes | mmap) -> Iterator[tuple[int, dict[int, tuple[int, ...]], bool]]:
     """Offset and tags of each directory, and whether it lies below a page."""
     order = _order(content)
     waiting, seen = [(_unpack(order + "I", content, 4), False)] if order else [], set[int]()
@@ -87,7 +88,9 @@ def _directories(content: bytes) -> Iterator[tuple[int, dict[int, tuple[int, ...
         waiting += [*((sub, True) for sub in tags.get(_SUB_DIRECTORIES, ())), (following, is_below)]
 
 
-def _directory(order: str, content: bytes, at: int) -> tuple[dict[int, tuple[int, ...]], int]:
+def _directory(
+    order: str, content: bytes | mmap, at: int
+) -> tuple[dict[int, tuple[int, ...]], int]:
     """Tags of whole numbers of the directory at an offset, and the offset of the next one."""
     count = _unpack(order + "H", content, at)
     tags = {}
@@ -103,6 +106,6 @@ def _directory(order: str, content: bytes, at: int) -> tuple[dict[int, tuple[int
     return tags, _unpack(order + "I", content, at + 2 + 12 * count)
 
 
-def _unpack(layout: str, content: bytes, at: int) -> int:
+def _unpack(layout: str, content: bytes | mmap, at: int) -> int:
     size = struct.calcsize(layout)
     return int(struct.unpack_from(layout, content, at)[0]) if at + size <= len(content) else 0

@@ -6,6 +6,7 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from typing import Any
 
@@ -150,11 +151,17 @@ def open_picture(file: PhotoFile) -> Picture | None:
     source = open_image(file.path)
     if source is None:
         return None
-    photo_first = with_photo_first(file.content) if source.format_name() == "tiff" else None
+    photo_first = _photo_first(file.path) if source.format_name() == "tiff" else None
     if photo_first is not None:
         return _open_copy(photo_first, (_BELOW,), source.spec())
     choose = {"tiff": _at_photo, "openexr": _at_colors, "gif": _at_first}
     return choose.get(source.format_name(), Picture)(source)
+
+
+def _photo_first(path: Path) -> bytes | None:
+    # Mapped: an EXR's header asks as well, while all pixels are in memory.
+    with path.open("rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as content:
+        return with_photo_first(content)
 
 
 def _open_copy(content: bytes, notes: tuple[str, ...], page: Any = None) -> Picture | None:
