@@ -144,8 +144,9 @@ def test_what_is_known_counts_once_however_many_photos_name_it(photos):
     weights = prior.weights_for("modern")
     known = {("Acme Inc.", "One"): known_response([camera(2.2)], "Acme", "One", prior)}
     told = {f"{n}.jpg": said(2.2, 50.0) for n in range(photos)}
-    without, _ = _fused(told, prior, weights, {})
-    both, dissent = _fused(told, prior, weights, known)
+    stretches = dict.fromkeys(told, 1.0)
+    without, _ = _fused(told, stretches, prior, weights, {})
+    both, dissent = _fused(told, stretches, prior, weights, known)
     assert dissent == ()
     added = np.linalg.inv(both.covariance) - np.linalg.inv(without.covariance)
     message = np.diag(known["Acme Inc.", "One"].message.precision)
