@@ -6,6 +6,7 @@ import ast
 import io
 import re
 import statistics
+import subprocess
 import zipfile
 from pathlib import Path
 
@@ -131,6 +132,19 @@ def test_what_ships_is_under_5_mb():
             if path.is_file() and "__pycache__" not in path.parts:
                 wheel.write(path, path.relative_to(PACKAGE.parent).as_posix())
     assert packed.tell() + METADATA < LARGEST_WHEEL
+
+
+def test_nothing_lies_at_the_top_that_a_download_or_build_left():
+    root = PACKAGE.parent
+    if not (root / ".git").exists():
+        pytest.skip("the package is installed apart from the project")
+    listed = subprocess.run(
+        ["git", "ls-files", "-z"], cwd=root, check=True, capture_output=True, text=True
+    ).stdout
+    top = {Path(name).parts[0] for name in listed.split("\0") if name}
+    folders = {".ci", "docs", "examples", "facecrf_ocio", "luts", "nodes", "tests"}
+    texts = {"CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE", "README.md"}
+    assert top == folders | texts | {"SECURITY.md", "pyproject.toml", ".gitignore"}
 
 
 def test_the_citation_names_this_version():
