@@ -8,14 +8,8 @@ from dataclasses import dataclass
 from mmap import mmap
 
 # TIFF 6.0, TIFF/EP and DNG 1.7: tags of a directory.
-_SUBFILE, _WIDTH, _LENGTH, _PHOTOMETRIC, _SUB_DIRECTORIES, _DNG_VERSION = (
-    254,
-    256,
-    257,
-    262,
-    330,
-    50706,
-)
+_SUBFILE, _WIDTH, _LENGTH = 254, 256, 257
+_PHOTOMETRIC, _SUB_DIRECTORIES, _DNG_VERSION = 262, 330, 50706
 # PhotometricInterpretation of mosaics and of demosaiced raw (DNG 1.4).
 _FILTER_ARRAY, _LINEAR_RAW = 32803, 34892
 _REDUCED, _MASK = 1, 4  # bits of NewSubfileType

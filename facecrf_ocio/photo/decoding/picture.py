@@ -92,12 +92,8 @@ MENDED = "picture.jpg"
 """Name of the copy of a mended file, most of which are JPEGs, in a folder of its own."""
 
 _BELOW = "the photo was read that lies below its first page, a thumbnail"
-_OF_PIXELS = (
-    "tiff",
-    "oiio",
-    "compression",
-    "planarconfig",
-)  # attributes, by what their names start with
+# Attributes that are of a page's own pixels, by what their names start with.
+_OF_PIXELS = ("tiff", "oiio", "compression", "planarconfig")
 
 
 @dataclass(slots=True)
