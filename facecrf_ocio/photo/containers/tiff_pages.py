@@ -9,6 +9,7 @@ from mmap import mmap
 
 # TIFF 6.0, TIFF/EP and DNG 1.7: tags of a directory.
 _SUBFILE, _WIDTH, _LENGTH = 254, 256, 257
+# And of what they hold and what lies below them.
 _PHOTOMETRIC, _SUB_DIRECTORIES, _DNG_VERSION = 262, 330, 50706
 # PhotometricInterpretation of mosaics and of demosaiced raw (DNG 1.4).
 _FILTER_ARRAY, _LINEAR_RAW = 32803, 34892
