@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813
 import pytest
+from heif_files import box
 from PIL import Image, features
 
 from facecrf_ocio import read_photo
@@ -75,6 +77,49 @@ def test_avif(tmp_path: Path, count: int) -> None:
     first.save(tmp_path / "a.avif", save_all=True, append_images=more)
     photo = read_photo(tmp_path / "a.avif")
     assert photo.notes == ("the first of several pictures was read",) * (count - 1)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+@pytest.mark.parametrize("suffix", [".webp", ".png"])
+def test_webp_and_png(tmp_path: Path, suffix: str, count: int) -> None:
+    first, *more = [Image.fromarray(CODES // number) for number in range(1, count + 1)]
+    path = tmp_path / f"a{suffix}"
+    first.save(path, save_all=True, append_images=more, lossless=True)
+    photo = read_photo(path)
+    assert np.array_equal(np.rint(255 * photo.encoded), CODES)
+    assert photo.notes == ("the first of several pictures was read",) * (count - 1)
+
+
+def test_a_webp_that_may_move_and_has_one_frame(tmp_path: Path) -> None:
+    first, second = Image.fromarray(CODES), Image.fromarray(255 - CODES)
+    first.save(tmp_path / "a.webp", save_all=True, append_images=[second], lossless=True)
+    moving = (tmp_path / "a.webp").read_bytes()
+    frame = moving[8 : moving.rindex(b"ANMF")]
+    (tmp_path / "a.webp").write_bytes(b"RIFF" + struct.pack("<I", len(frame)) + frame)
+    photo = read_photo(tmp_path / "a.webp")
+    assert np.array_equal(np.rint(255 * photo.encoded), CODES)
+    assert photo.notes == ()
+
+
+def sequence(of: bytes) -> bytes:
+    """A HEIC's bytes with a box of a sequence of images, which has none."""
+    return of + box(b"moov", box(b"mvhd", bytes(100)))
+
+
+def test_a_heic_that_moves(tmp_path: Path) -> None:
+    pillow_heif = pytest.importorskip("pillow_heif")
+    path = tmp_path / "a.heic"
+    still = pillow_heif.from_bytes("RGB", (64, 64), bytes(3 * 64 * 64))
+    still.save(str(path))
+    path.write_bytes(sequence(path.read_bytes()))
+    assert read_photo(path).notes == ("it moves: its still picture was read",)
+
+
+def test_a_heic_that_moves_and_has_no_still_picture(tmp_path: Path) -> None:
+    pytest.importorskip("pillow_heif")
+    (tmp_path / "a.heic").write_bytes(sequence(box(b"ftyp", b"hevc\0\0\0\0msf1")))
+    with pytest.raises(PhotoError, match=r"moves, without a still.* one of its frames as PNG"):
+        read_photo(tmp_path / "a.heic")
 
 
 @pytest.mark.parametrize("first", [0, 1])

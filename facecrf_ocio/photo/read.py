@@ -16,7 +16,7 @@ from facecrf_ocio.files.plain_text import complaint
 from facecrf_ocio.files.threads import OtherThread
 from facecrf_ocio.photo.containers.integrity import COPY_AGAIN, check_file, check_size, photo_sha256
 from facecrf_ocio.photo.containers.no_photo import no_photo
-from facecrf_ocio.photo.containers.png_chunks import has_void_gamma
+from facecrf_ocio.photo.containers.png_chunks import has_void_gamma, is_animated
 from facecrf_ocio.photo.containers.suffixes import HEIF
 from facecrf_ocio.photo.decoding.channels import (
     alpha_channel,
@@ -33,7 +33,13 @@ from facecrf_ocio.photo.decoding.decode import (
 from facecrf_ocio.photo.decoding.gain_map import jpeg_gain_map
 from facecrf_ocio.photo.decoding.heif import read_heif
 from facecrf_ocio.photo.decoding.orientation import orientation_of, upright
-from facecrf_ocio.photo.decoding.picture import PhotoFile, Picture, open_image, open_picture
+from facecrf_ocio.photo.decoding.picture import (
+    FIRST_OF_SEVERAL,
+    PhotoFile,
+    Picture,
+    open_image,
+    open_picture,
+)
 from facecrf_ocio.photo.raster.pixels import (
     Pixels,
     code_values,
@@ -151,6 +157,7 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
     edits = edits_told(file.xmp, camera.software, made_by(spec, file.content, camera))
     primaries = primaries_of(spec, icc, file.content)
     profile_told = profile_notes(icc) if icc else _profile_lost(file)
+    moving = (FIRST_OF_SEVERAL,) if is_animated(file.content) else ()
     file.forget()
     pixels, alpha = _decoded(path, picture, channels, turn, bits)
     alpha, unseen = shown(alpha)
@@ -170,7 +177,7 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
         "sha256": ask_sha256(),
         "gain_map": gain_map,
         "edits": edits,
-        "notes": (*picture.notes, *profile_told, *set_aside, *unseen),
+        "notes": (*picture.notes, *moving, *profile_told, *set_aside, *unseen),
     }
     if pixels.dtype == np.uint8:
         return Photo.of_codes(pixels, **told)

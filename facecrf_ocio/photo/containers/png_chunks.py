@@ -63,6 +63,12 @@ def has_void_gamma(content: bytes) -> bool:
     return gamma is not None and not any(gamma)
 
 
+def is_animated(content: bytes) -> bool:
+    """Whether a PNG has more frames than its picture, by acTL (11.3.4.1)."""
+    frames = (_before_pixels(content, b"acTL") or b"")[:4]
+    return int.from_bytes(frames, "big") > 1
+
+
 def chromaticities_told(content: bytes) -> tuple[float, ...] | None:
     """CIE xy of red, green, blue and white by a PNG's cHRM (11.3.2.1); None where there is none.
 

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import plain_text
-from facecrf_ocio.photo.containers.heif_boxes import with_primary, without_brand
+from facecrf_ocio.photo.containers.heif_boxes import child, with_primary, without_brand
 from facecrf_ocio.photo.containers.integrity import COPY_AGAIN, check_size
 from facecrf_ocio.photo.decoding.channels import shown
 from facecrf_ocio.photo.decoding.gain_map import APPLE, GainMapError, apple_numbers, item_numbers
@@ -35,6 +35,7 @@ INSTALL = "install the extra (pip install 'facecrf-ocio[heif]'), or convert it t
 # What decoders raise; the last one of a file in which pillow-heif finds no image.
 _DAMAGE = (RuntimeError, ValueError, EOFError, OSError, SyntaxError, IndexError)
 _AVIF = (b"avif", b"avis")
+_STILL = "it moves: its still picture was read"
 _GAIN_MAP = ":aux:hdrgainmap"  # ends the names that Apple and Samsung give it
 
 
@@ -96,6 +97,10 @@ def _read_heic(file: PhotoFile) -> _Decoded:
         import pillow_heif  # noqa: PLC0415 - the extra `heif`
     except ImportError:
         raise PhotoError(file.path, "is HEIC, which needs pillow-heif", INSTALL) from None
+    moves = _moves(file.content)
+    if moves and not child(memoryview(file.content), b"meta"):
+        problem = "is HEIC that moves, without a still picture"
+        raise PhotoError(file.path, problem, "export one of its frames as PNG")
     try:
         heif = pillow_heif.open_heif(file.path, convert_hdr_to_8bit=False, hdr_to_16bit=False)
         check_size(file.path, *heif.size)  # the header alone was read
@@ -106,6 +111,8 @@ def _read_heic(file: PhotoFile) -> _Decoded:
     bits = int(heif.info.get("bit_depth", 8)) if codes.dtype == np.uint16 else 8
     exif = load_exif(heif.info.get("exif") or b"")
     gain_map, notes = _gain_map(heif, exif, file.content)
+    if moves:
+        notes = (*notes, _STILL)
     if len(heif) > 1:
         notes = (*notes, f"of {len(heif)} pictures the one was read that the file calls its first")
     icc, told = heif.info.get("icc_profile") or b"", of_nclx(heif.info.get("nclx_profile"))
@@ -169,7 +176,7 @@ def _read_avif(file: PhotoFile) -> _Decoded:
     except _DAMAGE as error:
         raise _damaged(file, error) from error
     gain_map, notes = _map_of_avif(file, codes.shape)
-    if file.content[8:12] == b"avis":
+    if _moves(file.content):
         notes = (*notes, FIRST_OF_SEVERAL)
     if _is_deep_avif(file.content):
         notes = (*notes, "its more than 8 bits were read as 8")
@@ -217,6 +224,11 @@ def _planes(codes: Any) -> Any:
 def _color(codes: Any) -> Any:
     """Without alpha."""
     return codes[..., :3] if codes.shape[2] >= 3 else codes[..., 0]
+
+
+def _moves(content: bytes) -> bool:
+    """Whether there is a sequence of images (ISO 23008-12, clause 7)."""
+    return bool(child(memoryview(content), b"moov"))
 
 
 def _is_deep_avif(content: bytes) -> bool:

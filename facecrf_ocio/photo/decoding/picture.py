@@ -150,6 +150,9 @@ def open_picture(file: PhotoFile) -> Picture | None:
     photo_first = _photo_first(file.path) if source.format_name() == "tiff" else None
     if photo_first is not None:
         return _open_copy(photo_first, (_BELOW,), source.spec())
+    # OpenImageIO finds no way back to a WebP's first picture where there is no second.
+    if source.spec().get_int_attribute("oiio:Movie") and file.content.count(b"ANMF") > 1:
+        return Picture(source, 0, (FIRST_OF_SEVERAL,))
     choose = {"tiff": _at_photo, "openexr": _at_colors, "gif": _at_first}
     return choose.get(source.format_name(), Picture)(source)
 
