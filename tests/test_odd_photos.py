@@ -556,3 +556,52 @@ def test_a_profile_of_which_a_segment_is_lost_is_told(tmp_path: Path) -> None:
     photo = read_photo(tmp_path / "a.jpg")
     assert photo.primaries is None
     assert photo.notes == ("its ICC profile was set aside: it is not whole",)
+
+
+class TestRadiance:
+    """Headers by Ward's description of the format; its pixels are linear light in any case."""
+
+    LIGHT = np.random.default_rng(0).random((12, 16, 3), np.float32)
+
+    def written(self, folder: Path, *lines: str) -> Path:
+        whole = cv2.imencode(".hdr", self.LIGHT)[1].tobytes()
+        head = "".join(f"{line}\n" for line in lines).encode()
+        (folder / "a.hdr").write_bytes(whole.replace(b"FORMAT=", head + b"FORMAT="))
+        return folder / "a.hdr"
+
+    @pytest.mark.parametrize(
+        ("told", "name"),
+        [
+            ("0.68 0.32 0.265 0.69 0.15 0.06 0.3127 0.329", "Display P3"),
+            (" .640 .330 .290 .600 .150 .060 .3333 .3333", "custom"),  # Radiance's own
+            ("nan 0 0 0 0 0 0 0", None),
+            ("0.64 0.33 0.29", None),
+            ("red", None),
+        ],
+    )
+    def test_its_primaries(self, tmp_path: Path, told: str, name: str | None) -> None:
+        photo = read_photo(self.written(tmp_path, f"PRIMARIES={told}"))
+        assert (photo.primaries and photo.primaries.name) == name
+        assert photo.notes == ()
+
+    @pytest.mark.parametrize(
+        ("lines", "note"),
+        [
+            (["EXPOSURE=2.5", "EXPOSURE= 2"], "its light is 5 times the scene's"),
+            (["COLORCORR=1.2 1 0.8"], "red, green and blue are 1.2, 1, 0.8 times"),
+            (["GAMMA=2.2"], "GAMMA=2.2: its numbers were taken for light"),
+            (["EXPOSURE=4", "EXPOSURE=0.25", "GAMMA=1.0", "COLORCORR=1 1 1"], ""),
+            (["EXPOSURE=nan", "EXPOSURE=0", "EXPOSURE=bright", "COLORCORR=-1 1 1", "GAMMA="], ""),
+        ],
+    )
+    def test_what_was_done_to_its_light_is_told(self, tmp_path: Path, lines, note: str) -> None:
+        photo = read_photo(self.written(tmp_path, *lines))
+        assert photo.scene_linear
+        assert photo.encoded == pytest.approx(self.LIGHT[..., ::-1], abs=1 / 128)
+        assert (len(photo.notes), note in "".join(photo.notes)) == (bool(note), True)
+
+    def test_one_in_xyz_is_not_read(self, tmp_path: Path) -> None:
+        path = self.written(tmp_path)
+        path.write_bytes(path.read_bytes().replace(b"rle_rgbe", b"rle_xyze"))
+        with pytest.raises(PhotoError, match=r"CIE XYZ.* ra_xyze"):
+            read_photo(path)

@@ -62,6 +62,7 @@ from facecrf_ocio.photo.tags.header import (
 )
 from facecrf_ocio.photo.tags.named_curve import curve_of_scan, named_curve
 from facecrf_ocio.photo.tags.profile import profile_notes
+from facecrf_ocio.photo.tags.radiance import radiance_notes
 from facecrf_ocio.values import Camera, Photo, frozen
 
 _EXPORT = "convert it to DNG, or export a 16-bit TIFF"
@@ -158,6 +159,7 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
     primaries = primaries_of(spec, icc, file.content)
     profile_told = profile_notes(icc) if icc else _profile_lost(file)
     moving = (FIRST_OF_SEVERAL,) if is_animated(file.content) else ()
+    scaled = radiance_notes(file.content)
     file.forget()
     pixels, alpha = _decoded(path, picture, channels, turn, bits)
     alpha, unseen = shown(alpha)
@@ -177,7 +179,7 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
         "sha256": ask_sha256(),
         "gain_map": gain_map,
         "edits": edits,
-        "notes": (*picture.notes, *moving, *profile_told, *set_aside, *unseen),
+        "notes": (*picture.notes, *moving, *scaled, *profile_told, *set_aside, *unseen),
     }
     if pixels.dtype == np.uint8:
         return Photo.of_codes(pixels, **told)

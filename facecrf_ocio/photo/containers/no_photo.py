@@ -53,6 +53,8 @@ def no_photo(head: bytes) -> tuple[str, str] | None:
     text = head.removeprefix(b"\xef\xbb\xbf").lstrip()[:64].lower()
     if text.startswith(b"<?xml") and b"<svg" in head.lower():
         text = b"<svg"
+    if text.startswith(b"#?") and b"FORMAT=32-bit_rle_xyze" in head:
+        return "is Radiance in CIE XYZ, which is not read here", "convert it with ra_xyze -r"
     for start, problem, remedy in _TEXTS:
         if text.startswith(start):
             return problem, remedy

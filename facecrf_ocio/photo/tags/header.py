@@ -16,6 +16,7 @@ from facecrf_ocio.photo.tags.cicp import LINEAR, of_numbers
 from facecrf_ocio.photo.tags.edits import made_as_told
 from facecrf_ocio.photo.tags.named_curve import is_other_curve
 from facecrf_ocio.photo.tags.profile import primaries_from_icc
+from facecrf_ocio.photo.tags.radiance import radiance_primaries
 from facecrf_ocio.values import Camera, Primaries
 
 PHOTOMETRIC = "tiff:PhotometricInterpretation"
@@ -99,6 +100,7 @@ def primaries_of(spec: Any, icc: bytes, content: bytes = b"") -> Primaries | Non
     if by_numbers is not None:
         return by_numbers
     chromaticities = spec.getattribute("chromaticities") or chromaticities_told(content)
+    chromaticities = chromaticities or radiance_primaries(content)
     if chromaticities is not None and len(chromaticities) == 8:
         return name_primaries(chromaticities, "file attribute")
     space = spec.get_string_attribute("oiio:ColorSpace").lower()
