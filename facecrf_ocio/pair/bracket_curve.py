@@ -25,7 +25,7 @@ _NEAR = 8  # [code value] what a point says of its neighbors
 MIN_STOPS = 1.0  # [stop] from the darkest to the brightest exposure; chosen by judgment
 # Share of the code values with points near them. Made curves with 80 and 86 % would be 0.01 stops
 # off in the midtones, up to 0.64 in the shadows; a curve unlike all known ones with 83 % was off by
-# 0.2 (RMSE), and nothing else told (docs/brackets.md).
+# 0.2 (RMSE), and nothing else told (docs/evidence).
 MIN_COVERED = 0.88
 # Both chosen by judgment.
 MAX_HALVES = 0.03  # [1] RMSE of curves from two halves of the points: what the tables call 3

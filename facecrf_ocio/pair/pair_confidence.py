@@ -2,7 +2,7 @@
 
 Constants are those that make what is told likeliest on 27 pairs of known curves that are alike in
 all channels (drawn and real scenes, noise, JPEG 88 to 100, sharpening, vignetting of up to 0.4
-stops, white up to 1.6 stops out of sight): `docs/cameras.md` has what came of 30 others.
+stops, white up to 1.6 stops out of sight): what came of 30 others is in `docs/evidence`.
 """
 
 from __future__ import annotations
