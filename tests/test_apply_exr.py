@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import OpenEXR
 import OpenImageIO as oiio  # noqa: N813
 import pytest
 from photo_files import CURVE, matrix_profile, oiiotool, pixels_of, random_codes, write, write_spi1d
@@ -120,6 +121,30 @@ class TestMetadata:
         assert header.get_float_attribute("ExposureTime") == pytest.approx(0.01, rel=2e-4)
         assert header.get_int_attribute("Exif:PhotographicSensitivity") == 200
         assert header.get_string_attribute("facecrf:lut") == "a.spi1d"
+
+    @pytest.mark.parametrize("tile", [0, 16])
+    @pytest.mark.parametrize(
+        ("at", "frame"), [((10, -5), (0, 0, 64, 48)), ((-4, -4), (0, 0, 24, 16)), ((7, 7), None)]
+    )
+    def test_pixels_of_an_exr_stay_where_they_are_in_the_frame(
+        self, tmp_path: Path, at: tuple[int, int], frame: tuple[int, ...] | None, tile: int
+    ) -> None:
+        """A render's crop: data and display window, as OpenEXR itself reads them."""
+        spec = oiio.ImageSpec(32, 24, 3, oiio.FLOAT)
+        (spec.x, spec.y), spec.tile_width, spec.tile_height = at, tile, tile
+        first = frame or (*at, 32, 24)
+        spec.full_x, spec.full_y, spec.full_width, spec.full_height = first
+        light = np.random.default_rng(0).random((24, 32, 3), np.float32)
+        source = oiio.ImageOutput.create("openexr")
+        assert source.open(str(tmp_path / "a.exr"), spec)
+        assert source.write_image(light)
+        source.close()
+        photo = read_photo(tmp_path / "a.exr")
+        path = write_exr(tmp_path / "b.exr", photo.encoded, photo, provenance={}, half=False).path
+        with OpenEXR.File(str(tmp_path / "a.exr")) as a, OpenEXR.File(str(path)) as b:
+            for window in ("dataWindow", "displayWindow"):
+                assert np.array_equal(a.header()[window], b.header()[window]), window
+            assert np.array_equal(b.channels()["RGB"].pixels, light)
 
     def test_what_holds_no_longer_is_dropped(self, tmp_path: Path) -> None:
         icc = matrix_profile(*KNOWN_PRIMARIES["Display P3"])

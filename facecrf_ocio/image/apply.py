@@ -243,7 +243,8 @@ def _write_bands(header: oiio.ImageSpec, rows: Rows, path: Path) -> str:
     try:
         for begin in range(0, header.height, _BAND):
             end = min(begin + _BAND, header.height)
-            written = written and output.write_scanlines(begin, end, 0, rows(begin, end))
+            first, last = header.y + begin, header.y + end
+            written = written and output.write_scanlines(first, last, 0, rows(begin, end))
     finally:
         written = output.close() and written
     return "" if written else complaint(output.geterror) or "no reason given"

@@ -112,10 +112,22 @@ def _keep_metadata(path: Path, header: oiio.ImageSpec) -> None:
     if picture is None:  # camera raw: nothing to keep
         complaint(oiio.geterror)
         return
-    for item in picture.spec.extra_attribs:
+    spec = picture.spec
+    for item in spec.extra_attribs:
         if still_holds(item.name):
             _copy_attribute(item, header)
+    is_exr = picture.source.format_name() == "openexr"
+    is_upright = spec.get_int_attribute("Orientation", 1) == 1
+    if is_exr and is_upright and (spec.width, spec.height) == (header.width, header.height):
+        _keep_windows(spec, header)
     picture.close()
+
+
+def _keep_windows(spec: Any, header: oiio.ImageSpec) -> None:
+    """Let the pixels lie in the frame where those of a source EXR do (data and display window)."""
+    header.x, header.y = spec.x, spec.y
+    header.full_x, header.full_y = spec.full_x, spec.full_y
+    header.full_width, header.full_height = spec.full_width, spec.full_height
 
 
 def _copy_attribute(item: Any, header: oiio.ImageSpec) -> None:
