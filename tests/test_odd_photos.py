@@ -369,6 +369,37 @@ class TestProfiles:
         assert photo.primaries is None
         assert "ICC profile was set aside" in photo.notes[0]
 
+    @pytest.mark.parametrize(
+        ("profile", "fault"),
+        [
+            (PROFILE[:16] + b"GRAY" + PROFILE[20:], "it is of gray, and the picture is not"),
+            (PROFILE[:16] + b"CMYK" + PROFILE[20:], "it is of CMYK, and no photo's"),
+            (PROFILE.replace(b"rXYZ", b"xXYZ", 1), "it tells of no primaries, but by tables"),
+            (b"", "it is damaged"),
+        ],
+    )
+    @pytest.mark.parametrize("suffix", [".jpg", ".png", ".tif", ".webp"])
+    def test_a_profile_that_does_not_fit_the_picture(
+        self, tmp_path: Path, profile: bytes, fault: str, suffix: str
+    ) -> None:
+        path = tmp_path / f"a{suffix}"
+        Image.fromarray(random_codes()).save(path, icc_profile=profile or b"no profile" * 9)
+        photo = read_photo(path)
+        assert photo.primaries is None
+        assert photo.notes == (f"its ICC profile was set aside: {fault}",)
+
+    @pytest.mark.parametrize("suffix", [".jpg", ".png", ".tif"])
+    def test_a_profile_of_gray_fits_a_gray_picture(self, tmp_path: Path, suffix: str) -> None:
+        path = tmp_path / f"a{suffix}"
+        gray = PROFILE[:16] + b"GRAY" + PROFILE[20:]
+        Image.fromarray(random_codes()[..., 0]).save(path, icc_profile=gray)
+        assert read_photo(path).notes == ()
+
+    def test_a_png_whose_profile_cannot_be_inflated(self, tmp_path: Path) -> None:
+        (tmp_path / "a.png").write_bytes(with_chunks(chunk(b"iCCP", b"a\0\0" + b"\xff" * 90)))
+        (note,) = read_photo(tmp_path / "a.png").notes
+        assert note == "its ICC profile was set aside: it is damaged"
+
     def test_a_sound_profile_gets_no_note(self) -> None:
         assert profile_notes(PROFILE) == () == profile_notes(b"")
         assert primaries_from_icc(PROFILE) is not None

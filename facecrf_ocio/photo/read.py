@@ -16,7 +16,7 @@ from facecrf_ocio.files.plain_text import complaint
 from facecrf_ocio.files.threads import OtherThread
 from facecrf_ocio.photo.containers.integrity import COPY_AGAIN, check_file, check_size, photo_sha256
 from facecrf_ocio.photo.containers.no_photo import no_photo
-from facecrf_ocio.photo.containers.png_chunks import has_void_gamma, is_animated
+from facecrf_ocio.photo.containers.png_chunks import has_void_gamma, is_animated, profile_told
 from facecrf_ocio.photo.containers.suffixes import HEIF
 from facecrf_ocio.photo.decoding.channels import (
     alpha_channel,
@@ -147,7 +147,7 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
     file_format = source.format_name()
     check_size(path, spec.width, spec.height)
     check_kind(path, spec, file_format)
-    channels, icc = color_channels(path, spec), icc_profile(spec)
+    channels, icc = color_channels(path, spec), icc_profile(spec) or profile_told(file.content)
     curve = named_curve(of_numbers(spec.getattribute("CICP")), icc)
     curve = curve or curve_of_scan(file_format, spec.get_string_attribute("dpx:Transfer"))
     scene_linear = is_scene_linear(spec, icc, curve) and not has_void_gamma(file.content)
@@ -157,7 +157,7 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
     camera = camera_of(spec)
     edits = edits_told(file.xmp, camera.software, made_by(spec, file.content, camera))
     primaries = primaries_of(spec, icc, file.content)
-    profile_told = profile_notes(icc) if icc else _profile_lost(file)
+    profile_noted = profile_notes(icc, gray=len(channels) == 1) if icc else _profile_lost(file)
     moving = (FIRST_OF_SEVERAL,) if is_animated(file.content) else ()
     scaled = radiance_notes(file.content)
     file.forget()
@@ -179,7 +179,7 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
         "sha256": ask_sha256(),
         "gain_map": gain_map,
         "edits": edits,
-        "notes": (*picture.notes, *moving, *scaled, *profile_told, *set_aside, *unseen),
+        "notes": (*picture.notes, *moving, *scaled, *profile_noted, *set_aside, *unseen),
     }
     if pixels.dtype == np.uint8:
         return Photo.of_codes(pixels, **told)

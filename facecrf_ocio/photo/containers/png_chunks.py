@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import BinaryIO
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
+_LARGEST_PROFILE = 1 << 22  # [byte] inflated; those of printers, with their tables, take 3 MB
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +68,18 @@ def is_animated(content: bytes) -> bool:
     """Whether a PNG has more frames than its picture, by acTL (11.3.4.1)."""
     frames = (_before_pixels(content, b"acTL") or b"")[:4]
     return int.from_bytes(frames, "big") > 1
+
+
+def profile_told(content: bytes) -> bytes:
+    """The profile of a PNG (11.3.2.3), which libpng keeps to itself where it does not fit.
+
+    One that cannot be inflated is handed on as it is.
+    """
+    _, _, packed = (_before_pixels(content, b"iCCP") or b"").partition(b"\0")
+    try:
+        return zlib.decompressobj().decompress(packed[1:], _LARGEST_PROFILE)
+    except zlib.error:
+        return packed
 
 
 def chromaticities_told(content: bytes) -> tuple[float, ...] | None:

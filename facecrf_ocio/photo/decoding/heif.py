@@ -88,7 +88,7 @@ def read_heif(file: PhotoFile, sha256: str) -> Photo:
         sha256=sha256,
         gain_map=decoded.gain_map,
         edits=edits,
-        notes=(*decoded.notes, *profile_notes(icc), *unseen),
+        notes=(*decoded.notes, *profile_notes(icc, gray=decoded.codes.shape[2] < 3), *unseen),
     )
 
 

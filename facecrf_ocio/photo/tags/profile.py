@@ -38,10 +38,14 @@ def primaries_from_icc(profile: bytes) -> Primaries | None:
         return None
 
 
-def profile_notes(profile: bytes) -> tuple[str, ...]:
-    """Why a file's profile is of no use and was set aside, in a clause; empty where it is sound."""
+def profile_notes(profile: bytes, *, gray: bool = False) -> tuple[str, ...]:
+    """Why a profile is of no use to a picture and was set aside, in a clause; empty if it is sound.
+
+    `gray` is whether the picture has one channel.
+    """
     try:
-        _ = _primaries(profile) if profile else None
+        if profile and _primaries(profile) is None and not gray:
+            raise _UnusableError("it is of gray, and the picture is not")
     except _UnusableError as error:
         return (f"its ICC profile was set aside: {error}",)
     return ()
@@ -65,8 +69,10 @@ def _primaries(profile: bytes) -> Primaries | None:
     if kind in _BETWEEN or space not in _OF_PHOTOS:
         what = f"class {kind}" if kind in _BETWEEN else space or "no color"
         raise _UnusableError(f"it is of {what}, and no photo's")
-    if space != "RGB" or any(colorant is None for colorant in colorants):
+    if space != "RGB":
         return None
+    if any(colorant is None for colorant in colorants):
+        raise _UnusableError("it tells of no primaries, but by tables")
     d50 = np.array([colorant[0] for colorant in colorants if colorant is not None], float)
     whites = [white_xyz(D50)] + ([] if white is None else [np.array(white[0], float)])
     if not any(np.abs(d50.sum(axis=0) - one).max() < _WHITE_XYZ for one in whites):
