@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "SECURITY.md"]
+PAGES += sorted((ROOT / "docs").rglob("*.md"))
 PAGES += sorted((ROOT / "nodes").glob("*/README.md"))
 
 
@@ -48,3 +49,11 @@ def test_every_page_is_in_a_table_of_contents():
     listed = "\n".join(p.read_text(encoding="utf-8") for p in (ROOT / "docs").rglob("*.md"))
     pages = [p for p in (ROOT / "docs").rglob("*.md") if p.name != "index.md"]
     assert [p.stem for p in pages if not re.search(rf"^(\w+/)?{p.stem}$", listed, re.M)] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_prose_is_broken_at_120_columns(page):
+    """Tables and pictures may be wider: a line of theirs cannot be broken."""
+    lines = page.read_text(encoding="utf-8").splitlines()
+    prose = [line for line in lines if not line.lstrip().startswith(("|", "!["))]
+    assert [line for line in prose if len(line) > 120] == []
