@@ -27,6 +27,7 @@ from facecrf_ocio.ocio_config import write_config
 from facecrf_ocio.values import InverseCRF
 
 pytestmark = pytest.mark.slow
+EVIDENCE = Path(__file__).parents[1] / "docs" / "evidence" / "luts-of-others.md"
 SUFFIXES = {f".{suffix}" for _, suffix in ocio.FileTransform.getFormats()}
 GRAY = np.repeat(np.linspace(0, 1, 65, dtype=np.float32)[None, :, None], 3, axis=2)
 COLORS = np.random.default_rng(3).random((4, 65, 3), np.float32)
@@ -85,7 +86,7 @@ def test_every_lut_is_applied_as_by_opencolorio_or_refused_by_both(peers: Path) 
     for end, names in sorted(ends.items()):
         print(f"{len(names):4} {end}: {', '.join(sorted(names)) if end not in PLAIN else '...'}")
     if any("lut1d_infinity.ctf" in names for names in ends.values()):  # the documented collection
-        page = (Path(__file__).parents[1] / "docs" / "luts.md").read_text(encoding="utf-8")
+        page = EVIDENCE.read_text(encoding="utf-8")
         for end in ends.keys() - {*PLAIN}:
             assert [name for name in ends[end] if f"`{name}`" not in page] == [], end
     assert "unlike" not in ends
