@@ -12,7 +12,7 @@ from facecrf_ocio.joint.color_lines import bend_profile
 from facecrf_ocio.joint.edge_counts import EDGE_LEVELS
 from facecrf_ocio.joint.edges import edge_profile, soft_edge_profile
 from facecrf_ocio.joint.noise_counts import count_noise
-from facecrf_ocio.joint.second_differences import planes_of
+from facecrf_ocio.joint.second_differences import sizes_of
 from facecrf_ocio.joint.soft_edges import (
     SOFT_LEVELS,
     SOFT_SIZES,
@@ -25,7 +25,7 @@ PAIRS = EDGE_LEVELS * (EDGE_LEVELS - 1) // 2
 
 def soft_edges_of(codes: np.ndarray) -> SoftEdges:
     """Those of one window (H, W, 3)."""
-    return count_soft_edges(planes_of(codes[None]))
+    return count_soft_edges(sizes_of(codes[None], len(SOFT_SIZES)))
 
 
 def stripes(power: float) -> np.ndarray:

@@ -23,8 +23,7 @@ from facecrf_ocio.joint.second_differences import (
     Plane,
     SecondDifferences,
     counts_of,
-    halved,
-    planes_of,
+    sizes_of,
 )
 from facecrf_ocio.joint.soft_edges import (
     CHANNEL_PAIRS,
@@ -192,22 +191,19 @@ class _Sums:
 
     def count(self, codes: Codes, mask: Bool | None) -> None:
         """Count windows (N, H, W, 3), with masks (N, H, W)."""
-        planes = planes_of(codes)
+        sizes = sizes_of(codes, len(SOFT_SIZES))
         if mask is None:
-            for c, plane in enumerate(planes):
+            for c, plane in enumerate(sizes[0]):
                 self.codes[c] += counts_of(plane, _WHITE + 1)
-            self.blocks += _block_sums(planes[_GREEN])
-        soft = count_soft_edges(planes)
+            self.blocks += _block_sums(sizes[0][_GREEN])
+        soft = count_soft_edges(sizes)
         self.soft_edges += soft.middles
         self.color_lines += soft.lines
-        channels: Plane = planes
-        for size in range(SIZES):
-            if size:
-                channels = halved(channels)
-                mask = None if mask is None else mask[:, 1::2, 1::2]
+        for size, channels in enumerate(sizes[:SIZES]):
             if min(channels.shape[2:]) < NARROWEST:
                 return
             self._count_size(channels, size, mask)
+            mask = None if mask is None else mask[:, 1::2, 1::2]
 
     def _count_size(self, channels: Plane, size: int, mask: Bool | None) -> None:
         white = _WHITE * 4**size

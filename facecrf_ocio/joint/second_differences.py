@@ -130,7 +130,16 @@ class SecondDifferences:
         return states @ _counts_of_pairs(state, self.level[_GREEN], states.shape[2], LEVELS)
 
 
-def halved(channels: Plane) -> npt.NDArray[np.int16]:
+def sizes_of(codes: Codes, number: int) -> list[Plane]:
+    """Channels (3, N, H, W) of windows (N, H, W, 3), then of their halves, halves of these, ..."""
+    planes: Any = cv2.split(codes.reshape(-1, *codes.shape[2:]))
+    sizes: list[Plane] = [np.array(planes).reshape(3, *codes.shape[:3])]
+    while len(sizes) < number:
+        sizes.append(_halved(sizes[-1]))
+    return sizes
+
+
+def _halved(channels: Plane) -> npt.NDArray[np.int16]:
     """Sums of two by two pixels of (3, N, H, W): the means of four times their values."""
     height, width = channels.shape[2] // 2, channels.shape[3] // 2
     shape = *channels.shape[:2], height, width
@@ -140,12 +149,6 @@ def halved(channels: Plane) -> npt.NDArray[np.int16]:
     tall = whole.reshape(-1, 2 * width)
     small = cv2.resize(tall, (width, len(tall) // 2), interpolation=cv2.INTER_AREA)
     return np.asarray(small, np.int16).reshape(shape)
-
-
-def planes_of(codes: Codes) -> Codes:
-    """(3, N, H, W) the channels of windows (N, H, W, 3)."""
-    planes: Any = cv2.split(codes.reshape(-1, *codes.shape[2:]))
-    return np.array(planes).reshape(3, *codes.shape[:3])
 
 
 def counts_of(codes: Codes, number: int) -> Float:

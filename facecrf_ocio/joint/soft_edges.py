@@ -26,16 +26,16 @@ SOFT_SIZES = (1, 2, 4, 8)
 CHANNEL_PAIRS = ((0, 1), (1, 2), (0, 2))
 """Each once."""
 _FAINTEST = 14  # codes between both sides
-# Parts of the rise: in each of its four steps (monotone, and not at once); and by which the sides
-# themselves may rise.
-_LEAST, _MOST, _FLAT = (1, 25), (9, 20), (1, 5)
+# Parts of the rise: in each of its four steps (monotone, and not at once).
+_LEAST, _MOST = (1, 25), (9, 20)
+_FLAT = 5  # such a part of the rise, the fifth, the sides themselves may rise by
 _BLACK, _WHITE = 0.5, 254.5  # [code value] below and from which a pixel is clipped
 _LEVEL = 256 // SOFT_LEVELS  # codes
 _APART = 2  # columns, of the finest size alone: neighbors see the same edge, and cost the most
 _SMALL = 4  # pixels of a sample, products of whose sums fit 16 bits
 _RUN = 7  # samples across an edge: both sides, three between them, and one beyond each side
 
-# Code values, times the pixels that a sample is the mean of: integers of 16 or 32 bits.
+# Code values, times the pixels that a sample is the mean of: integers.
 Image = npt.NDArray[Any]
 Plane = npt.NDArray[np.float32]
 Places = npt.NDArray[np.intp]
@@ -61,14 +61,13 @@ class SoftEdges:
     lines: Float
 
 
-def count_soft_edges(codes: npt.NDArray[np.uint8]) -> SoftEdges:
-    """Soft edges down and across the channels (3, N, H, W) of windows, of 8-bit codes."""
-    channels: Image = codes
+def count_soft_edges(windows: Sequence[Image]) -> SoftEdges:
+    """Soft edges down and across windows, given at all of `SOFT_SIZES`.
+
+    Their channels (3, N, H, W) hold 8-bit codes, or sums of as many as a sample has pixels.
+    """
     found: list[tuple[int, _Edges]] = []
-    for number, size in enumerate(SOFT_SIZES):
-        if size > 1:
-            # Products with shares of a rise fit 16 bits up to sums of four pixels.
-            channels = _summed(channels.astype(np.int16 if size == 2 else np.int32))
+    for number, (size, channels) in enumerate(zip(SOFT_SIZES, windows, strict=True)):
         if not channels.size:
             break
         stacks = _stacks(channels, _APART if size == 1 else 1)
@@ -77,7 +76,7 @@ def count_soft_edges(codes: npt.NDArray[np.uint8]) -> SoftEdges:
     lines = np.zeros((len(SOFT_SIZES), SOFT_LEVELS, SOFT_LEVELS + 3))
     if found:
         _count_middles(*_of_all([(number, edges.run) for number, edges in found]), middles)
-        in_both = [(number, edges.in_both(SOFT_SIZES[number] ** 2)) for number, edges in found]
+        in_both = [(number, edges.in_both()) for number, edges in found]
         _count_lines(*_of_all(in_both), lines)
     return SoftEdges(middles, lines)
 
@@ -86,14 +85,6 @@ def _of_all(found: Sequence[tuple[int, Plane]]) -> tuple[Plane, Places]:
     """(7, ..., N) runs of several sizes, and (N,) the size that each is of."""
     numbers = [np.full(runs.shape[-1], number) for number, runs in found]
     return np.concatenate([runs for _, runs in found], axis=-1), np.concatenate(numbers)
-
-
-def _summed(channels: Image) -> Image:
-    """Sums of two by two pixels of (3, N, H, W)."""
-    height, width = channels.shape[2] // 2, channels.shape[3] // 2
-    whole = channels[..., : 2 * height, : 2 * width]
-    rows = whole[..., ::2, :] + whole[..., 1::2, :]
-    return np.asarray(rows[..., ::2] + rows[..., 1::2])
 
 
 def _stacks(channels: Image, step: int) -> Iterator[Image]:
@@ -115,15 +106,16 @@ class _Edges:
 
     Attributes
     ----------
-    stack
-        (H, T, 3, W) the planes.
+    size, width
+        How many pixels the planes have, and how many in a row.
     places
         (N,) index of the first sample of each into the stack's pixels; ascending.
     run
         (7, N) samples, in code values.
     """
 
-    stack: Image
+    size: int
+    width: int
     places: Places
     run: Plane
 
@@ -131,39 +123,43 @@ class _Edges:
     def along(cls, stack: Image, unit: int) -> _Edges:
         """All of a stack."""
         places = np.flatnonzero(_may_be_soft(stack.reshape(len(stack), -1), unit))
-        run = _samples(stack, places)
-        soft = _is_soft(run.astype(np.int16 if unit <= _SMALL else np.int32))
-        places, run = places[soft], run.compress(soft, axis=1)
-        bright = run.max(axis=0) < _WHITE * unit
-        places, run = places[bright], run.compress(bright, axis=1)
-        return cls(stack, places, _in_codes(run, unit))
+        line = stack.ravel()
+        # Row by row: all indices at once would be seven times as many, and take twice as long.
+        run = np.array([line[row * stack[0].size :].take(places) for row in range(_RUN)])
+        kept = np.flatnonzero(_is_soft(run.astype(np.int16 if unit <= _SMALL else np.int32), unit))
+        in_codes = run.take(kept, axis=1).astype(np.float32) / np.float32(unit)
+        return cls(stack.size, stack.shape[-1], places.take(kept), in_codes)
 
-    def in_both(self, unit: int) -> Plane:
-        """(7, 2, N) samples of the edges that two channels show at the same place."""
-        there = np.zeros(self.stack.size, bool)
-        there[self.places] = True
-        width = self.stack.shape[-1]
-        channel = self.places // width % 3
+    def in_both(self) -> Plane:
+        """(7, 2, N) samples of the edges that two channels show at the same place, not in black."""
+        open_ = np.flatnonzero(self.run.min(axis=0) > _BLACK)
+        places = self.places.take(open_)
+        number = np.zeros(self.size, np.int32)  # of the edge at a place, from 1 on
+        number[places] = open_ + 1
+        channel = places // self.width % 3
         pairs = []
         for one, other in CHANNEL_PAIRS:
-            first = self.places[channel == one]
-            second = first + (other - one) * width
-            pairs.append(np.stack([first, second]).compress(there[second], axis=-1))
-        return _in_codes(_samples(self.stack, np.concatenate(pairs, axis=-1)), unit)
+            there = channel == one
+            second = number.take(places.compress(there) + (other - one) * self.width) - 1
+            pairs.append(np.stack([open_.compress(there), second]).compress(second >= 0, axis=1))
+        return self.run.take(np.concatenate(pairs, axis=1), axis=1)
 
 
-def _may_be_soft(planes: Image, unit: int) -> Bool:
-    """(H - 6, W) where seven samples down planes (H, W) rise or fall enough, and all the way.
+def _may_be_soft(planes: Any, unit: int) -> Bool:
+    """(H - 6, W) where samples down planes (H, W) rise or fall enough, all the way, and no farther.
 
     Few places are left of many that rise by noise, and those alone are looked at closer.
     """
-    inner: Any = planes[1:-1]
-    far = np.asarray(cv2.absdiff(inner[4:], inner[:-4])) >= _FAINTEST * unit
     # Bytes that fall do not rise at all: OpenCV does not let them wrap.
-    up, down = cv2.subtract(inner[1:], inner[:-1]), cv2.subtract(inner[:-1], inner[1:])
-    steady: Any = cv2.max(_least_of_four(up), _least_of_four(down))
-    far &= np.asarray(steady) > 0
-    return far
+    up, down = cv2.subtract(planes[1:], planes[:-1]), cv2.subtract(planes[:-1], planes[1:])
+    rise = np.asarray(cv2.absdiff(planes[5:-1], planes[1:-5]))
+    steady: Any = cv2.max(_least_of_four(up[1:-1]), _least_of_four(down[1:-1]))
+    steps = cv2.max(up, down)
+    beyond: Any = cv2.max(steps[:-5], steps[5:])
+    found = rise >= _FAINTEST * unit
+    found &= np.asarray(steady) > 0
+    found &= np.asarray(beyond) <= rise // _FLAT
+    return np.asarray(found)
 
 
 def _least_of_four(steps: Any) -> Any:
@@ -172,30 +168,17 @@ def _least_of_four(steps: Any) -> Any:
     return cv2.min(of_two[:-2], of_two[2:])
 
 
-def _is_soft(run: Image) -> Bool:
-    """(N,) where runs (7, N) rise or fall steadily between their sides, and hardly beyond these.
+def _is_soft(run: Image, unit: int) -> Bool:
+    """(N,) where runs (7, N) rise or fall steadily between their sides, and are not clipped above.
 
     In integers, since the shares of a rise are ratios of small ones.
     """
-    step = np.diff(run, axis=0)
-    inner = np.abs(step[1:5])
+    steps = np.abs(np.diff(run[1:6], axis=0))
     rise = np.abs(run[5] - run[1])
-    found = inner.min(axis=0) * _LEAST[1] >= rise * _LEAST[0]
-    found &= inner.max(axis=0) * _MOST[1] <= rise * _MOST[0]
-    for beyond in (step[0], step[5]):
-        found &= np.abs(beyond) * _FLAT[1] <= rise * _FLAT[0]
+    found = steps.min(axis=0) * _LEAST[1] >= rise * _LEAST[0]
+    found &= steps.max(axis=0) * _MOST[1] <= rise * _MOST[0]
+    found &= run.max(axis=0) < _WHITE * unit
     return np.asarray(found)
-
-
-def _samples(stack: Image, places: Places) -> Image:
-    """(7, ...) the samples below each place, from its own on."""
-    below = np.arange(_RUN) * stack[0].size
-    places = places + below.reshape(-1, *(1 for _ in places.shape))
-    return np.asarray(stack.ravel().take(places))
-
-
-def _in_codes(samples: Image, unit: int) -> Plane:
-    return np.asarray(samples.astype(np.float32) / np.float32(unit))
 
 
 def _count_middles(run: Plane, size: Places, found: Float) -> None:
@@ -214,9 +197,6 @@ def _count_lines(runs: Plane, size: Places, found: Float) -> None:
     b + b (1 - b) r k / 2 of it, to second order, for k = g'' / g' at the codes between. b is the
     same in all channels, and what the codes' shares differ by is linear in k.
     """
-    unclipped = runs.min(axis=(0, 1)) > _BLACK
-    # By an index, runs would lie one after the other, and the rest take twice as long.
-    runs, size = runs.compress(unclipped, axis=-1), size[unclipped]
     rise = runs[5] - runs[1]
     shares = (runs[2:5] - runs[1]) / rise
     common = 0.5 * (shares[:, 0] + shares[:, 1])
