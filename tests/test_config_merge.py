@@ -240,3 +240,44 @@ def test_a_flaw_is_told_of_the_config_that_has_it(
         )
     assert capfd.readouterr().err == ""
     assert not (tmp_path / "new.ocio").exists()
+
+
+MERGED = """ocio_profile_version: 2
+description: {about}
+search_path: luts
+roles: {{scene_linear: lin, default: raw, aces_interchange: {interchange}}}
+displays: {{d: [!<View> {{name: v, colorspace: looked}}]}}
+colorspaces:
+  - !<ColorSpace> {{name: lin}}
+  - !<ColorSpace> {{name: raw, isdata: true}}
+  - !<ColorSpace> {{name: looked, from_scene_reference: !<FileTransform> {{src: look.spi1d}}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        (MERGED.format(about="café", interchange="lin").encode("latin-1"), "not UTF-8; save it"),
+        (b'\x80\xff"\\\x97', "not a config"),  # which makes OpenColorIO quote what is no text
+        (MERGED.format(about="a", interchange="raw").encode(), "is no scene light; pass --refer"),
+    ],
+)
+def test_a_config_that_cannot_be_extended(
+    content: bytes, told: str, lut: Path, tmp_path: Path, facecrf: CommandLine
+) -> None:
+    (tmp_path / "c.ocio").write_bytes(content)
+    ended = facecrf("ocio-config", lut, "--merge", tmp_path / "c.ocio", "-o", tmp_path / "n.ocio")
+    assert (ended.code, ended.err.count("\n")) == (2, 1)
+    assert told in ended.err
+
+
+@pytest.mark.parametrize("name", ["a.ocioz", "a.ocio"])
+def test_a_packed_config_is_known_by_its_content(
+    name: str, lut: Path, tmp_path: Path, facecrf: CommandLine
+) -> None:
+    studio(tmp_path / "s", "search_path: luts", "look.spi1d")
+    read(tmp_path / "s" / "studio.ocio").archive(str(tmp_path / "packed.ocioz"))
+    (tmp_path / "packed.ocioz").rename(tmp_path / name)
+    ended = facecrf("ocio-config", lut, "--merge", tmp_path / name, "-o", tmp_path / "n.ocio")
+    assert ended.code == 2
+    assert "is packed; unpack it" in ended.err

@@ -19,14 +19,12 @@ from facecrf_ocio.color.working_space import (
 )
 from facecrf_ocio.errors import LutError, OutputError, SettingsError
 from facecrf_ocio.files.atomic import require_free
-from facecrf_ocio.files.folders import real_path
-from facecrf_ocio.lut.ocio_log import unlogged
+from facecrf_ocio.ocio_config.base import base_config
 from facecrf_ocio.ocio_config.description import describe
 from facecrf_ocio.ocio_config.entries import Entry, name_luts, safe
 from facecrf_ocio.ocio_config.find import PhotoLut, find_luts
-from facecrf_ocio.ocio_config.moved import keep_paths
-from facecrf_ocio.ocio_config.own import REFERENCE, matrix_transform, own_config
-from facecrf_ocio.ocio_config.staging import REFUSED, write_staged
+from facecrf_ocio.ocio_config.own import REFERENCE, matrix_transform
+from facecrf_ocio.ocio_config.staging import write_staged
 from facecrf_ocio.values import Primaries
 
 Form = Literal["auto", "spaces", "variable"]
@@ -36,11 +34,8 @@ MOST_SPACES = 500
 VARIABLE = "FACECRF_PHOTO"
 VARIABLE_SPACE = "facecrf_photo"
 DEFAULT_PHOTO = "facecrf_no_photo_named"
+_SCENE = ocio.ReferenceSpaceType.REFERENCE_SPACE_SCENE
 _DARKENED = 1 / 64  # of the green light of a photo that nobody named: 6 stops, magenta to any eye
-_UPGRADE = (
-    "in Python, config = PyOpenColorIO.Config.CreateFromFile(NAME), then "
-    "config.upgradeToLatestVersion() and config.serialize() give one of version 2; merge that"
-)
 
 
 def write_config(
@@ -99,7 +94,7 @@ def write_config(
     if output.suffix.lower() not in (".ocio", ".ocioz"):
         raise OutputError(f"{output}: is not named as a config; give it .ocio or .ocioz")
     require_free(output, overwrite=overwrite)
-    base = _base(merge, space, output)
+    base = base_config(merge, space, output)
     taken = (*base.getColorSpaceNames(), VARIABLE_SPACE, DEFAULT_PHOTO)
     entries = name_luts(find_luts(luts), taken)
     folder = f"{safe(output.stem)}_luts"
@@ -118,43 +113,6 @@ def _content(lut: Path) -> bytes:
         return lut.read_bytes()
     except OSError as error:
         raise LutError(f"{lut}: cannot be read ({error.strerror}); check the file") from error
-
-
-def _base(merge: str | None, space: str | None, output: Path) -> Any:
-    if merge is None:
-        return own_config(space or REFERENCE)
-    if space is not None:
-        raise SettingsError(f'{merge}: has a working space of its own; leave out space="{space}"')
-    if not merge.startswith("ocio://") and output.suffix.lower() == ".ocioz":
-        raise SettingsError(f"{merge}: files it refers to cannot be packed; write a .ocio instead")
-    if merge.lower().endswith(".ocioz"):
-        raise SettingsError(f"{merge}: is packed; unpack it (ocioarchive --extract) and name that")
-    config = _config_at(merge)
-    if config.getMajorVersion() < 2:
-        raise SettingsError(f"{merge}: has profile version 1; {_UPGRADE}")
-    if not merge.startswith("ocio://"):
-        keep_paths(config, real_path(Path(merge)).parent, real_path(output).parent)
-    _require_sound(config, merge)
-    return config
-
-
-def _config_at(merge: str) -> Any:
-    try:
-        with unlogged():
-            return ocio.Config.CreateFromFile(merge)
-    except REFUSED as error:
-        problem = str(error).strip().partition("\n")[0]
-        raise SettingsError(f"{merge}: not a config ({problem}); check the name") from error
-
-
-def _require_sound(config: Any, merge: str) -> None:
-    """Raise SettingsError for a flaw that the merged config would have as well."""
-    try:
-        with unlogged():
-            config.validate()
-    except REFUSED as error:
-        problem = " ".join(str(error).split()).rstrip(".")
-        raise SettingsError(f"{merge}: has a flaw ({problem}); mend it first") from error
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,6 +161,9 @@ def _chain(
     space = config.getColorSpace("aces_interchange")
     if space is None:
         raise SettingsError(f"{merge}: has no role aces_interchange; pass reference=...")
+    if space.isData() or space.getReferenceSpaceType() != _SCENE:
+        problem = "has a role aces_interchange that is no scene light"
+        raise SettingsError(f"{merge}: {problem}; pass reference=...")
     forward = space.getTransform(ocio.ColorSpaceDirection.COLORSPACE_DIR_TO_REFERENCE)
     backward = space.getTransform(ocio.ColorSpaceDirection.COLORSPACE_DIR_FROM_REFERENCE)
     rest: tuple[Any, ...] = ()
