@@ -24,6 +24,29 @@ def test_links_lead_somewhere(page):
     assert [link for link in inside if not (page.parent / link).exists()] == []
 
 
+def slugs(page: Path) -> set[str]:
+    """Anchors of a page's headings, as GitHub and MyST make them."""
+    titles = re.findall(r"^#+ (.+)$", page.read_text(encoding="utf-8"), re.M)
+    return {re.sub(r"[^\w\s-]", "", title.lower()).replace(" ", "-") for title in titles}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_links_to_sections_lead_to_a_heading(page):
+    links = re.findall(r"\]\(([^)#\s:]*)#([\w-]+)\)", page.read_text(encoding="utf-8"))
+    assert [
+        f"{target}#{anchor}"
+        for target, anchor in links
+        if anchor not in slugs(page.parent / target if target else page)
+    ] == []
+
+
+@pytest.mark.parametrize("page", sorted((ROOT / "docs").rglob("*.md")), ids=lambda page: page.stem)
+def test_pages_of_the_site_link_to_no_page_outside_of_it(page):
+    links = re.findall(r"\]\(([^)#\s:]+\.md)", page.read_text(encoding="utf-8"))
+    outside = [li for li in links if ROOT / "docs" not in (page.parent / li).resolve().parents]
+    assert outside == []
+
+
 def test_the_floor_plan_names_every_room():
     plan = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").split("## Words")[0]
     package = ROOT / "facecrf_ocio"
