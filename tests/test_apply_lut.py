@@ -218,3 +218,19 @@ def test_oiiotool_is_told_what_the_pixels_are(tmp_path: Path) -> None:
     expected = light @ np.reshape(REC709_TO_AP1, (3, 3)).T
     assert np.abs(pixels_of(exr) - expected).max() < 1e-4
     assert tag_of(exr) == "lin_ap1_scene"
+
+
+FALLS = "LUT_1D_SIZE 3\n0.9 0.9 0.9\n0.5 0.5 0.5\n0 0 0\n"
+
+
+@pytest.mark.parametrize("command", ["apply", "ocio-config"])
+def test_what_lint_finds_is_told_where_a_lut_is_used(
+    command: str, facecrf: CommandLine, tmp_path: Path
+) -> None:
+    (tmp_path / "a.cube").write_text(FALLS)
+    photo = write(tmp_path / "a.png", random_codes(), oiio.UINT8)
+    given = (photo, "--lut") if command == "apply" else ()
+    out = tmp_path / ("a.exr" if command == "apply" else "a.ocio")
+    ended = facecrf(command, *given, tmp_path / "a.cube", "-o", out)
+    assert (ended.code, out.exists()) == (0, True)
+    assert "note: a.cube: R decreases (and 2 more by facecrf lint)" in ended.out

@@ -16,7 +16,15 @@ import pytest
 from command_line import CommandLine
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lut_files import LOG_TO_INFINITY, MIXES, half_floats, matrix, write_clf, write_half_domain
+from lut_files import (
+    LOG_TO_INFINITY,
+    MIXES,
+    half_floats,
+    matrix,
+    through_ocio,
+    write_clf,
+    write_half_domain,
+)
 from PIL import ImageCms
 
 from facecrf_ocio.color.working_space import WORKING_SPACES
@@ -554,3 +562,21 @@ def test_what_becomes_nan_in_opencolorio_is_found(tmp_path: Path) -> None:
 def test_a_short_table_that_is_constant_is_found(tmp_path: Path) -> None:
     (tmp_path / "a.cube").write_text("LUT_1D_SIZE 4\n" + "0.5 0.5 0.5\n" * 4)
     assert [one.problem for one in lint(tmp_path / "a.cube")] == [f"{c} is constant" for c in "RGB"]
+
+
+@pytest.mark.parametrize("bits", [10, 12, 16])
+@pytest.mark.parametrize("white", [1.0, 0.6, 0.4, 0.2])
+def test_a_3dl_whose_bits_opencolorio_guesses_wrong_is_found(
+    bits: int, white: float, tmp_path: Path
+) -> None:
+    code = round(white * (2**bits - 1))
+    grid = [code * step // 4 for step in range(5)]
+    rows = (f"{r} {g} {b}" for r in grid for g in grid for b in grid)
+    path = tmp_path / "a.3dl"
+    path.write_text(
+        f"3DMESH\nMesh 2 {bits}\n0 256 512 767 1023\n" + "\n".join(rows) + "\nLUT8\ngamma 1.0\n"
+    )
+    is_right = np.allclose(through_ocio(path, np.ones((1, 3))), white, atol=2e-3)
+    told = [str(finding) for finding in lint(path)]
+    assert (told == []) == is_right
+    assert is_right or f"and they are {bits}; export it as .cube" in told[0]

@@ -40,6 +40,7 @@ def apply(
     """
     from facecrf_ocio import read_photo
     from facecrf_ocio.image.linearize import write_through_lut
+    from facecrf_ocio.lut.lint import error_notes
 
     require_exr_free(output, overwrite=overwrite)
     with status(f"applying {lut}"):
@@ -54,6 +55,6 @@ def apply(
             overwrite=overwrite,
         )
     say(f"{photo}: sent through {lut}")
-    tell_notes((*source.notes, *with_remedy(written.notes)))
+    tell_notes((*source.notes, *error_notes(lut), *with_remedy(written.notes)))
     click.echo(one_line(f"  {written.path}"))
     return DONE

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from facecrf_ocio.cli.options import SPACE_NAMES, TEXT_PATH
-from facecrf_ocio.cli.terminal import DONE, ending_well, say
+from facecrf_ocio.cli.terminal import DONE, ending_well, say, tell_notes
 from facecrf_ocio.files.plain_text import counted
 
 
@@ -44,6 +44,7 @@ from facecrf_ocio.files.plain_text import counted
 def ocio_config(luts: tuple[Path, ...], output: Path, primaries: str | None, **choices: Any) -> int:
     """Write an OpenColorIO config of many photos' LUTs."""
     from facecrf_ocio.color.primaries import known_primaries
+    from facecrf_ocio.lut.lint import error_notes
     from facecrf_ocio.ocio_config import write_config
 
     given = known_primaries(primaries, "assumed") if primaries else None
@@ -57,6 +58,8 @@ def ocio_config(luts: tuple[Path, ...], output: Path, primaries: str | None, **c
     if choices["merge"]:
         what += f"; its profile version stays {_profile_version(config)}"
     say(f"{config}: {what}")
+    # Those in folders are as commands of ours wrote them, and may be thousands.
+    tell_notes(tuple(note for lut in luts if lut.is_file() for note in error_notes(lut)))
     return DONE
 
 

@@ -11,11 +11,12 @@ from facecrf_ocio.errors import LutError, reason_of
 from facecrf_ocio.lut.format_table import FORMATS, of_suffix
 from facecrf_ocio.lut.lint.curve_checks import check
 from facecrf_ocio.lut.lint.finding import ERROR, WARNING, Finding, count
+from facecrf_ocio.lut.lint.mesh_depth import mesh_depth
 from facecrf_ocio.lut.numbers import is_of_numbers
 from facecrf_ocio.lut.ocio_processor import exact_cpu, ocio_processor
 from facecrf_ocio.lut.usable import ask
 
-__all__ = ["ERROR", "WARNING", "Finding", "lint", "luts_below"]
+__all__ = ["ERROR", "WARNING", "Finding", "error_notes", "lint", "luts_below"]
 
 _MOST_WARNINGS = 3  # of OpenColorIO for one file; the others mostly repeat them
 _LARGEST = 1 << 26
@@ -51,11 +52,24 @@ def lint(path: Path) -> tuple[Finding, ...]:
         found.append(Finding(path, None, ERROR, problem, remedy, unusable=True))
         return tuple(found)
     if not tables:
-        found += _sampled(path)
+        found += _sampled(path) + mesh_depth(path, content)
     if not any(one.severity == ERROR for one in found) and not is_of_numbers(ocio_processor(path)):
         problem = "it holds NaN or infinity as OpenColorIO reads it"
         found.append(Finding(path, None, ERROR, problem, "export it again"))
     return tuple(found)
+
+
+def error_notes(path: Path) -> tuple[str, ...]:
+    """What is wrong with a LUT that OpenColorIO runs all the same, the first of it, in a clause.
+
+    Empty where nothing is, or where the linter does not know the file's kind.
+    """
+    try:
+        errors = [one for one in lint(path) if one.severity == ERROR]
+    except LutError:
+        return ()
+    more = f" (and {len(errors) - 1} more by facecrf lint)" if len(errors) > 1 else ""
+    return tuple(f"{path.name}: {one.problem}{more}; {one.remedy}" for one in errors[:1])
 
 
 def luts_below(folder: Path) -> tuple[Path, ...]:
