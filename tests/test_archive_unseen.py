@@ -142,6 +142,7 @@ def test_links_that_lead_nowhere_are_listed_and_other_things_passed_over(facecrf
     assert told(ended.err) == [f"facecrf: {name}: failed: {problem}" for name in LINKS]
     assert set(reasons(tmp_path / "luts")) == set(LINKS)
     assert "4 of 4 photos" in ended.err
+    assert "not followed, 1 link to folders: up; run batch on what they lead to" in ended.err
     # What it leads to is back: the photo is done as any other.
     write_noise(source / "nowhere.png", seed=3).rename(source / "nowhere.jpg")
     facecrf("batch", source, "-o", tmp_path / "luts", *OPTIONS)

@@ -26,9 +26,10 @@ OTHER_SOFTWARE = (
 
 @dataclass(slots=True)
 class Passed:
-    """What a walk passed over: folders by name, and files by suffix, each with their number."""
+    """What a walk passed over, with its number: folders and links to some by name, other files."""
 
     folders: Counter[str] = field(default_factory=Counter)
+    links: Counter[str] = field(default_factory=Counter)
     suffixes: Counter[str] = field(default_factory=Counter)
 
 
@@ -74,6 +75,7 @@ def photos_under(
             others = [name for name in below if _matches(Path(name), OTHER_SOFTWARE)]
             passed.folders.update(others)
             below[:] = [name for name in below if name not in others]
+        passed.links.update(name for name in below if (here / name).is_symlink())
         for name in sorted(names):
             path = here / name
             relative = path.relative_to(root)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 KINDS = ("reliable", "weak", "prior only", "no curve", "failed")
 _PLAIN_EVERY = 30.0  # [s] between two lines where there is no terminal
-_SUFFIXES_TOLD = 8  # of files that are no photos; the others are counted
+_MOST_TOLD = 8  # kinds of files that are no photos, links; the others are counted
 
 
 class Progress:
@@ -81,12 +81,16 @@ class Progress:
 
 
 def _passed_over(passed: Passed) -> Iterator[str]:
-    """What was not looked at, a line for folders and one for files."""
+    """What was not looked at, a line for folders, one for links to some and one for files."""
     if passed.folders:
         names = ", ".join(f"{name} ({count})" for name, count in sorted(passed.folders.items()))
         yield one_line(f"passed over folders of other software: {as_utf8(names)}; --all-folders")
+    if passed.links:
+        some = ", ".join(name for name, _ in passed.links.most_common(_MOST_TOLD))
+        links = f"{counted(passed.links.total(), 'link')} to folders: {as_utf8(some)}"
+        yield one_line(f"not followed, {links}; run batch on what they lead to")
     if passed.suffixes:
-        most = passed.suffixes.most_common(_SUFFIXES_TOLD)
+        most = passed.suffixes.most_common(_MOST_TOLD)
         rest = len(passed.suffixes) - len(most)
         told = [f"{count} {suffix or 'without a suffix'}" for suffix, count in most]
         more = [f"{rest} other kinds"] if rest else []
