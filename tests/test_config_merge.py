@@ -12,7 +12,7 @@ import pytest
 from command_line import CommandLine
 from config_spaces import lost, read
 from host_environments import CACHE
-from lut_files import CURVE, MIXES, REC709_TO_AP1, matrix, write_clf
+from lut_files import CURVE, MIXES, REC709_TO_AP1, matrix, through_ocio, write_clf
 from photo_files import GRID
 
 from facecrf_ocio.color.primaries import known_primaries
@@ -206,6 +206,26 @@ class TestWhereLutsLead:
             write_config([lut], tmp_path / "c.ocio")
         primaries = known_primaries("Rec.709", "assumed")
         write_config([lut], tmp_path / "c.ocio", primaries=primaries)
+
+    def test_a_solid_is_interpolated_as_by_apply(self, tmp_path: Path) -> None:
+        rgb = np.stack(np.meshgrid(*[np.linspace(0, 1, 3)] * 3, indexing="ij"), axis=-1)
+        rows = (rgb[..., ::-1].reshape(-1, 3) ** 3) @ np.array([[8, 1, 1], [1, 8, 1], [1, 1, 8]])
+        text = "\n".join(" ".join(f"{v:.6f}" for v in row) for row in rows / 10)
+        lut = tmp_path / "a.cube"
+        lut.write_text(f"LUT_3D_SIZE 3\n{text}\n")
+        pixels = np.random.default_rng(0).random((4, 8, 3), np.float32)
+        expected = through_ocio(lut, pixels)
+        write_config([lut], tmp_path / "c.ocio", primaries=known_primaries("Rec.709", "assumed"))
+        to_linear = read(tmp_path / "c.ocio").getProcessor("facecrf_a", "lin_rec709")
+        to_linear.getOptimizedCPUProcessor(ocio.OPTIMIZATION_LOSSLESS).applyRGB(pixels)
+        assert pixels == pytest.approx(expected, abs=2e-6)
+
+    def test_one_that_opencolorio_does_not_pack(self, lut: Path, tmp_path: Path) -> None:
+        odd = lut.rename(lut.with_suffix(".txt"))
+        with pytest.raises(SettingsError, match=r"packs no facecrf_p\.txt; give the LUT its suf"):
+            write_config([odd], tmp_path / "c.ocioz")
+        assert not (tmp_path / "c.ocioz").exists()
+        write_config([odd], tmp_path / "c.ocio")
 
     def test_those_that_encode_are_refused(self, tmp_path: Path) -> None:
         lut = write_lut(GAMMA, tmp_path / "a.cube", direction="encode")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+import zipfile
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -81,10 +82,19 @@ def _staged(config: Any, stage: Path, output: Path, folder: str, files: dict[str
         plain.unlink()
         config.archive(str(packed))
         ocio.Config.CreateFromFile(str(packed)).validate()
+        _require_packed(output, packed, files)
         return packed.read_bytes()
     except REFUSED as error:
         problem = str(error).strip().replace("\n", " ")
         raise SettingsError(f"{output}: not a config OpenColorIO takes ({problem})") from error
+
+
+def _require_packed(output: Path, packed: Path, files: dict[str, bytes]) -> None:
+    """Raise SettingsError where OpenColorIO left a LUT out, as it does by suffixes."""
+    with zipfile.ZipFile(packed) as archive:
+        inside = {Path(name.replace("\\", "/")).name for name in archive.namelist()}
+    for name in sorted(files.keys() - inside):
+        raise SettingsError(f"{output}: OpenColorIO packs no {name}; give the LUT its suffix")
 
 
 def _accept(_: Path) -> None:

@@ -180,10 +180,14 @@ def _unless_identity(matrix: Any) -> list[Any]:
 
 
 def _add_space(
-    config: Any, name: str, files: Sequence[str], steps: list[Any], description: str
+    config: Any,
+    name: str,
+    files: Sequence[str],
+    steps: list[Any],
+    description: str,
+    between: Any = ocio.Interpolation.INTERP_LINEAR,
 ) -> None:
-    linear = ocio.Interpolation.INTERP_LINEAR
-    sources = [ocio.FileTransform(src=file, interpolation=linear) for file in files]
+    sources = [ocio.FileTransform(src=file, interpolation=between) for file in files]
     space = ocio.ColorSpace(
         name=name, family="facecrf", encoding="sdr-video", description=description
     )
@@ -204,7 +208,8 @@ def _has_categories(config: Any) -> bool:
 def _add_spaces(config: Any, entries: Sequence[Entry], chain: _Chain) -> None:
     for entry in entries:
         text = describe(entry.lut, chain.primaries)
-        _add_space(config, entry.name, [entry.file], chain.steps(entry.lut), text)
+        between = ocio.INTERP_BEST if entry.lut.mixes else ocio.INTERP_LINEAR  # a 3-D LUT, perhaps
+        _add_space(config, entry.name, [entry.file], chain.steps(entry.lut), text, between)
     # Before the config's own rules, of which one for all JPEGs would hide these; and first those
     # that ask for most, since folder/a.jpg is an a.jpg, too.
     rules = config.getFileRules()
