@@ -208,9 +208,9 @@ class TestWhereLutsLead:
         write_config([lut], tmp_path / "c.ocio", primaries=primaries)
 
     def test_a_solid_is_interpolated_as_by_apply(self, tmp_path: Path) -> None:
-        rgb = np.stack(np.meshgrid(*[np.linspace(0, 1, 3)] * 3, indexing="ij"), axis=-1)
-        rows = (rgb[..., ::-1].reshape(-1, 3) ** 3) @ np.array([[8, 1, 1], [1, 8, 1], [1, 1, 8]])
-        text = "\n".join(" ".join(f"{v:.6f}" for v in row) for row in rows / 10)
+        blue, green, red = np.meshgrid(*[np.linspace(0, 1, 3)] * 3, indexing="ij")
+        rows = np.stack([red * green, green * blue, blue * red * red], axis=-1).reshape(-1, 3)
+        text = "\n".join(" ".join(f"{v:.6f}" for v in row) for row in rows)
         lut = tmp_path / "a.cube"
         lut.write_text(f"LUT_3D_SIZE 3\n{text}\n")
         pixels = np.random.default_rng(0).random((4, 8, 3), np.float32)
