@@ -6,6 +6,7 @@ import struct
 import subprocess
 import sys
 import zlib
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813
 import pytest
+from PIL import Image
 
 from facecrf_ocio.values import InverseCRF
 
@@ -84,10 +86,18 @@ def matrix_profile(*xy: tuple[float, float], gamma: float = 2.2, version: int = 
     return header.ljust(128, b"\0") + content
 
 
-def write_dng(path: Path, mosaic: npt.NDArray[np.float64], **tags: tuple[int, ...]) -> Path:
+def write_dng(
+    path: Path,
+    mosaic: npt.NDArray[np.float64],
+    *,
+    picture: bytes = b"",
+    software: bytes = b"",
+    **tags: tuple[int, ...],
+) -> Path:
     """The smallest DNG (1.4): one uncompressed RGGB mosaic, neutral white balance.
 
-    More tags are shorts, by number: `t50714=(512,)` is its black level.
+    `picture` is a JPEG beside it, `software` who signs. More tags are shorts, by number:
+    `t50714=(512,)` is its black level.
     """
     height, width = mosaic.shape
     data = mosaic.astype("<u2").tobytes()
@@ -124,17 +134,43 @@ def write_dng(path: Path, mosaic: npt.NDArray[np.float64], **tags: tuple[int, ..
         packed = struct.pack(f"<{len(shorts)}H", *shorts)
         entries = [entry for entry in entries if entry[0] != int(name[1:])]
         entries.append((int(name[1:]), short, len(shorts), packed))
-    entries.sort()
-    beyond = 8 + 2 + 12 * len(entries) + 4
+    if software:
+        entries.append((305, ascii_, len(software) + 1, software + b"\0"))
+    beside = [
+        (254, long, 1, struct.pack("<I", 1)),  # a smaller picture of the same
+        (259, short, 1, struct.pack("<H", 7)),
+        (262, short, 1, struct.pack("<H", 6)),
+        (258, short, 3, struct.pack("<HHH", 8, 8, 8)),
+        (273, long, 1, b""),
+        (277, short, 1, struct.pack("<H", 3)),
+        (279, long, 1, struct.pack("<I", len(picture))),
+    ]
+    if picture:
+        with Image.open(BytesIO(picture)) as opened:
+            beside += [(256 + n, long, 1, struct.pack("<I", s)) for n, s in enumerate(opened.size)]
+            beside.append((278, long, 1, struct.pack("<I", opened.height)))
+    first, end = _directory(8, entries, data, followed=bool(picture))
+    second, _ = _directory(end, beside, picture, followed=False) if picture else (b"", end)
+    path.write_bytes(b"II*\0" + struct.pack("<I", 8) + first + second)
+    return path
+
+
+def _directory(
+    start: int, entries: list[tuple[int, int, int, bytes]], data: bytes, *, followed: bool
+) -> tuple[bytes, int]:
+    """A directory of a TIFF with its values and its one strip, and where it ends."""
+    beyond = start + 2 + 12 * len(entries) + 4
     strip = beyond + sum(len(value) for *_, value in entries if len(value) > 4)
     table, values = struct.pack("<H", len(entries)), b""
-    for tag, kind, count, given_value in entries:
+    for tag, kind, count, given_value in sorted(entries):
         value = given_value or struct.pack("<I", strip)
         if len(value) > 4:
             value, values = struct.pack("<I", beyond + len(values)), values + value
         table += struct.pack("<HHI", tag, kind, count) + value.ljust(4, b"\0")
-    path.write_bytes(b"II*\0" + struct.pack("<I", 8) + table + bytes(4) + values + data)
-    return path
+    end = strip + len(data)
+    end += end % 2
+    written = table + struct.pack("<I", end if followed else 0) + values + data
+    return written.ljust(end - start, b"\0"), end
 
 
 def enlarge_header(path: Path, width: int, height: int) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import replace
+from io import BytesIO
 
 import cv2
 import numpy as np
@@ -253,6 +255,55 @@ def test_command_refuses_another_picture_in_one_line(pair_files, tmp_path):
     assert len(result.stderr.splitlines()) == 1
     assert "other.jpg: is not the picture that photo.dng shows" in result.stderr
     assert not (tmp_path / "out").exists()
+
+
+def raw_with_picture(path, linear, *, factor=1.0, **signed):
+    """A DNG that holds what the camera made of it, `factor` times as large."""
+    made = cv2.resize(develop(linear), None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA)
+    jpeg = BytesIO()
+    Image.fromarray(np.rint(255 * made).astype(np.uint8)).save(jpeg, "JPEG", quality=95, subsampling=0)
+    return write_dng(path, mosaic(linear), picture=jpeg.getvalue(), **signed)
+
+
+@pytest.mark.parametrize("factor", [1.0, 0.5])
+def test_without_a_jpeg_the_picture_in_the_raw_file_is_taken(tmp_path, factor):
+    raw = raw_with_picture(tmp_path / "photo.dng", scene(8), factor=factor)
+    result = run(raw, "-o", tmp_path / "out", "--formats", "clf")
+    assert result.exit_code == 0, result.output
+    written = {path.name for path in (tmp_path / "out").iterdir()}
+    assert written == {"photo.dng.clf", "photo.dng.crf.json"}
+    record = read_sidecar(tmp_path / "out" / "photo.dng.crf.json")
+    assert errors(record.estimate.curve).max() < 0.02
+    assert record.source.name == "photo.dng"
+    assert record.source.sha256 == hashlib.sha256(raw.read_bytes()).hexdigest()
+    assert record.source.camera.model == "Raw One"
+    same = calibrate_pair(raw).estimate
+    assert np.allclose(same.curve.linear, record.estimate.curve.linear, atol=1e-6)
+
+
+@pytest.mark.parametrize("software", [b"Adobe DNG Converter 15.4", b"Adobe Photoshop Lightroom"])
+def test_a_converters_picture_is_no_cameras(tmp_path, software):
+    raw = raw_with_picture(tmp_path / "photo.dng", scene(8), software=software)
+    with pytest.raises(PhotoError, match="no picture by the camera, but one by Adobe"):
+        calibrate_pair(raw)
+
+
+def test_a_raw_file_without_a_picture_says_what_to_give(tmp_path):
+    raw = write_dng(tmp_path / "photo.dng", mosaic(scene(8)))
+    result = run(raw, "-o", tmp_path / "out")
+    assert result.exit_code == 3
+    assert result.stderr.strip().endswith(
+        "holds no JPEG by the camera; give the camera's JPEG of the same exposure as well"
+    )
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_is_no_raw_file_holds_no_cameras_picture(pair_files, tmp_path):
+    result = run(pair_files[1], "-o", tmp_path / "out")
+    assert result.exit_code == 3
+    assert "is not camera raw that LibRaw knows" in result.stderr
+    with pytest.raises(PhotoError, match="has no file that could hold the camera's picture"):
+        calibrate_pair(linear_photo(scene(8)))
 
 
 @pytest.mark.slow

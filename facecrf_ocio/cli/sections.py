@@ -42,7 +42,7 @@ EXAMPLES = {
     ),
     "report": ("facecrf report luts",),
     "verify": ("facecrf verify luts", "facecrf verify luts --repair"),
-    "pair": ("facecrf pair a.dng a.jpg -o luts",),
+    "pair": ("facecrf pair a.dng a.jpg -o luts", "facecrf pair a.cr2 -o luts"),
     "bracket": ("facecrf bracket 1.jpg 2.jpg 3.jpg -o luts",),
     "chart": ("facecrf chart a.jpg -o luts",),
     "cameras": (

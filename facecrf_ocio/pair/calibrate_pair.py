@@ -13,6 +13,7 @@ from facecrf_ocio.pair.extrapolate import continued
 from facecrf_ocio.pair.fit_channel import ChannelFit, fit_channel
 from facecrf_ocio.pair.flat_pixels import Samples, choose_samples
 from facecrf_ocio.pair.pair_confidence import pair_confidence
+from facecrf_ocio.photo.camera_picture import camera_picture
 from facecrf_ocio.photo.given import GivenPhoto, photo_given
 from facecrf_ocio.response.model import CURVE_SIZE, ResponseModel, dorf_model, strictly_increasing
 from facecrf_ocio.values import (
@@ -54,7 +55,7 @@ class PairEstimate:
 
 
 def calibrate_pair(
-    linear: GivenPhoto, encoded: GivenPhoto, *, model: ResponseModel | None = None
+    linear: GivenPhoto, encoded: GivenPhoto | None = None, *, model: ResponseModel | None = None
 ) -> PairEstimate:
     """Fit the inverse camera response that leads from one picture to the other.
 
@@ -65,7 +66,7 @@ def calibrate_pair(
         As `calibrate` takes photos, and so is `encoded`.
     encoded
         What the camera made of the same exposure. Size, crop, orientation and lens
-        correction may differ.
+        correction may differ. The picture in the raw file (`camera_picture`) by default.
     model
         Response model, for the shape and the band where the pictures have no values.
 
@@ -75,7 +76,8 @@ def calibrate_pair(
         If they are not linear and encoded pictures of one exposure, or too much is clipped.
     """
     model = model or dorf_model()
-    linear, encoded = photo_given(linear), photo_given(encoded)
+    linear = photo_given(linear)
+    encoded = _picture_beside(linear) if encoded is None else photo_given(encoded)
     _check_kinds(linear, encoded)
     aligned = align(linear, encoded)
     if aligned.correlation < MIN_CORRELATION:
@@ -103,6 +105,12 @@ def calibrate_pair(
         assumptions=_assumptions(encoded, matrix),
     )
     return PairEstimate(estimate, matrix, (red, green, blue), aligned)
+
+
+def _picture_beside(linear: Photo) -> Photo:
+    if linear.path is None:
+        raise PhotoError(None, "has no file that could hold the camera's picture", _ANOTHER)
+    return camera_picture(linear.path)
 
 
 def _fit(samples: Samples, channel: int, model: ResponseModel) -> ChannelFit:

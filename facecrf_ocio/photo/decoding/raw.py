@@ -32,6 +32,27 @@ def libraw_takes(path: Path) -> bool:
         return False
 
 
+def picture_in_raw(path: Path) -> bytes | None:
+    """The JPEG that a camera stored in a raw file, as LibRaw finds the largest; None without one.
+
+    Raises
+    ------
+    PhotoError
+        If LibRaw does not take the file for camera raw, or finds it damaged.
+    """
+    try:
+        with _without_remarks(), rawpy.imread(str(path)) as raw:
+            stored = raw.extract_thumb()
+    except (rawpy.LibRawNoThumbnailError, rawpy.LibRawUnsupportedThumbnailError):
+        return None
+    except rawpy.LibRawFileUnsupportedError as error:
+        problem = "is not camera raw that LibRaw knows, in which a camera's picture could be"
+        raise PhotoError(path, problem, "give the camera's JPEG as well") from error
+    except rawpy.LibRawError as error:
+        raise PhotoError(path, _damaged(error), COPY_AGAIN) from error
+    return bytes(stored.data) if stored.format is rawpy.ThumbFormat.JPEG else None
+
+
 def decode_raw(path: Path) -> npt.NDArray[np.uint16] | None:
     """Demosaic a camera raw file without any tone curve.
 
@@ -72,12 +93,15 @@ def decode_raw(path: Path) -> npt.NDArray[np.uint16] | None:
         # LibRaw gives up on a few bytes of anything before it asks whether they are camera raw.
         if path.suffix.lower() not in RAW_SUFFIXES and not libraw_takes(path):
             return None
-        problem = f"is damaged or cut short camera raw ({plain_text(error)})"
-        raise PhotoError(path, problem, COPY_AGAIN) from error
+        raise PhotoError(path, _damaged(error), COPY_AGAIN) from error
     if not linear.any():
         problem = "is camera raw of which LibRaw decodes zeros alone, such as a DNG of floats"
         raise PhotoError(path, problem, "export a 16-bit TIFF from its raw converter")
     return np.asarray(linear, np.uint16)
+
+
+def _damaged(error: rawpy.LibRawError) -> str:
+    return f"is damaged or cut short camera raw ({plain_text(error)})"
 
 
 def _cropped(linear: Pixels, sizes: Any) -> Pixels:
