@@ -261,7 +261,9 @@ def raw_with_picture(path, linear, *, factor=1.0, **signed):
     """A DNG that holds what the camera made of it, `factor` times as large."""
     made = cv2.resize(develop(linear), None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA)
     jpeg = BytesIO()
-    Image.fromarray(np.rint(255 * made).astype(np.uint8)).save(jpeg, "JPEG", quality=95, subsampling=0)
+    Image.fromarray(np.rint(255 * made).astype(np.uint8)).save(
+        jpeg, "JPEG", quality=95, subsampling=0
+    )
     return write_dng(path, mosaic(linear), picture=jpeg.getvalue(), **signed)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -11,9 +13,11 @@ from facecrf_ocio.cli.explain_command import TOPIC_NAMES
 from facecrf_ocio.cli.facecrf import main
 from facecrf_ocio.color.srgb import decode_srgb
 from facecrf_ocio.errors import SettingsError, in_options
+from facecrf_ocio.record.measured import MEASURED
 from facecrf_ocio.values import InStops
 from facecrf_ocio.wording.expectation import expectation
 from facecrf_ocio.wording.explanations import TOPICS, explanation
+from facecrf_ocio.wording.next_steps import next_steps
 from facecrf_ocio.wording.sentence import ANYWHERE, COMMAND_LINE, PYTHON, remedy, sentence
 
 CODES = np.linspace(0.0, 1.0, 1024)
@@ -64,6 +68,16 @@ def test_what_is_weak_says_what_makes_it_surer(surface):
     assert surface.together in said
     assert surface.pair in said
     assert surface.together not in sentence(estimate(POWER), surface)
+
+
+@pytest.mark.parametrize("estimator", MEASURED)
+def test_a_measurement_is_made_surer_by_measuring_better(estimator):
+    """And not by photos of the camera, nor by a pair as if there were none."""
+    weak = replace(estimate(POWER, verdict=Verdict.WEAK), estimator=estimator)
+    said = " ".join([sentence(weak, COMMAND_LINE), *next_steps(weak, COMMAND_LINE)])
+    assert COMMAND_LINE.together not in said
+    assert COMMAND_LINE.pair not in said
+    assert estimator in said
 
 
 def test_flags_are_told_on_the_command_line_alone():

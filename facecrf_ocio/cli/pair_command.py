@@ -60,7 +60,8 @@ def pair(
         photo = read(named)
         bar.show(one_line(f"reading {linear}"), 1, _STEPS)
         light = read_photo(linear)
-        bar.show(one_line(f"fitting {named}"), 2, _STEPS)
+        other = "the picture inside of it" if encoded is None else encoded
+        bar.show(one_line(f"fitting {other} to {linear}"), 2, _STEPS)
         estimate = calibrate_pair(light, photo).estimate
         bar.show("writing", 3, _STEPS)
         written = outputs.write(named, photo, estimate, Settings())

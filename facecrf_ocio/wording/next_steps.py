@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from facecrf_ocio.values import Estimate, Outcome, Verdict
 from facecrf_ocio.wording.expectation import expectation
-from facecrf_ocio.wording.sentence import ANYWHERE, Surface, remedy
+from facecrf_ocio.wording.sentence import ANYWHERE, Surface, remedy, surer_by
 
 
 def next_steps(estimate: Estimate, surface: Surface = ANYWHERE) -> tuple[str, ...]:
@@ -18,8 +18,9 @@ def next_steps(estimate: Estimate, surface: Surface = ANYWHERE) -> tuple[str, ..
     if expected.verdict is not Verdict.RELIABLE and estimate.outcome is not Outcome.NAMED:
         if expected.srgb_does_as_well:
             steps.append("Or decode the photo as sRGB, which would do as well.")
-        steps.append(f"Make it surer: {surface.together}.")
-        steps.append(f"Or measure the camera: {surface.pair}.")
+        first, *others = surer_by(estimate, surface)
+        steps.append(f"Make it surer: {first}.")
+        steps += [f"Or measure the camera: {other}." for other in others]
     return tuple(steps)
 
 

@@ -57,6 +57,12 @@ ANYWHERE = Surface(
     "the mean response instead",
 )
 
+# What would make a measurement surer; photos of the camera would not.
+_MEASURED_ANEW = {
+    "pair": "another pair, with light and dark areas that are not clipped",
+    "bracket": "a longer bracket, of a scene that keeps still",
+    "chart": "the chart in even light, its white near code 225",
+}
 _SAID = {
     Verdict.RELIABLE: "expect",
     Verdict.WEAK: "a first guess: expect",
@@ -73,7 +79,13 @@ def sentence(estimate: Estimate, surface: Surface = ANYWHERE) -> str:
         return f"{estimate.reason}; {remedy(estimate, surface)}"
     if told.verdict is Verdict.RELIABLE:
         return expected(estimate)
-    return f"{expected(estimate)}; surer: {surface.together}, or {surface.pair}"
+    return f"{expected(estimate)}; surer: {', or '.join(surer_by(estimate, surface))}"
+
+
+def surer_by(estimate: Estimate, surface: Surface = ANYWHERE) -> tuple[str, ...]:
+    """Return what would make a curve surer, in the words of a surface; the easiest first."""
+    anew = _MEASURED_ANEW.get(estimate.estimator)
+    return (surface.together, surface.pair) if anew is None else (anew,)
 
 
 def expected(estimate: Estimate) -> str:
