@@ -29,6 +29,7 @@ from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
 from facecrf_ocio.errors import LutError, SettingsError
 from facecrf_ocio.image.apply import apply_lut
 from facecrf_ocio.image.lut_lookup import lut_lookup, lut_processor
+from facecrf_ocio.lut.usable import why_unusable
 from facecrf_ocio.lut.write import write_lut
 from facecrf_ocio.values import InverseCRF, Photo
 
@@ -201,7 +202,8 @@ def test_hanging_files_are_named(tmp_path: Path, facecrf: CommandLine) -> None:
     photo = write(tmp_path / "a.png", random_codes(), oiio.UINT8)
     ended = facecrf("apply", photo, "--lut", tmp_path / "a.csp", "-o", tmp_path / "a.exr")
     assert ended.code == 3
-    assert "OpenColorIO does not come to an end with it" in ended.err
+    assert "a.csp: it ends before its table; copy it again" in ended.err
+    assert "OpenColorIO does not come to an end with it" in why_unusable(tmp_path / "a.csp")
 
 
 def test_oiiotool_is_told_what_the_pixels_are(tmp_path: Path) -> None:
@@ -234,3 +236,22 @@ def test_what_lint_finds_is_told_where_a_lut_is_used(
     ended = facecrf(command, *given, tmp_path / "a.cube", "-o", out)
     assert (ended.code, out.exists()) == (0, True)
     assert "note: a.cube: R decreases (and 2 more by facecrf lint)" in ended.out
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        (b"\xef\xbb\xbfLUT_1D_SIZE 2\n0 0 0\n1 1 1\n", "line 1: it begins with a byte-order"),
+        ("LUT_1D_SIZE 2\n0 0 0\n1 1 1\n".encode("utf-16"), "line 1: it is UTF-16"),
+        (b"LUT_1D_SIZE 3\n0 0 0\n1 1 1\n", "line 1: 2 entries where 3 are promised"),
+        (b"", "no size is given"),
+    ],
+)
+def test_why_a_lut_is_refused_is_told_as_by_lint(
+    content: bytes, told: str, facecrf: CommandLine, tmp_path: Path
+) -> None:
+    (tmp_path / "a.cube").write_bytes(content)
+    photo = write(tmp_path / "a.png", random_codes(), oiio.UINT8)
+    ended = facecrf("apply", photo, "--lut", tmp_path / "a.cube", "-o", tmp_path / "a.exr")
+    assert (ended.code, ended.err.count("\n")) == (3, 1)
+    assert f"a.cube: {told}" in ended.err

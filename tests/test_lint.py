@@ -580,3 +580,17 @@ def test_a_3dl_whose_bits_opencolorio_guesses_wrong_is_found(
     told = [str(finding) for finding in lint(path)]
     assert (told == []) == is_right
     assert is_right or f"and they are {bits}; export it as .cube" in told[0]
+
+
+@pytest.mark.parametrize("solid", [False, True])
+def test_a_title_beside_an_input_range_is_told_with_what_helps(solid: bool, tmp_path: Path) -> None:
+    kind, rows = ("3", "0 0 0\n1 1 1\n" * 4) if solid else ("1", RAMP)
+    size = 2 if solid else 32
+    text = f"LUT_{kind}D_SIZE {size}\nLUT_{kind}D_INPUT_RANGE 0.0 1.0\n{rows}"
+    path = tmp_path / "a.cube"
+    path.write_text(text)
+    assert not any(finding.unusable for finding in lint(path))
+    path.write_text(f'TITLE "as Resolve writes it"\n{text}')
+    title, refused = lint(path)
+    assert (title.line, refused.unusable) == (1, True)
+    assert title.remedy == "take the line with TITLE out"

@@ -13,6 +13,7 @@ from facecrf_ocio.color.primaries import CIE_XYZ
 from facecrf_ocio.errors import IS_FOLDER, LutError, SettingsError
 from facecrf_ocio.image.lookup import Lookup
 from facecrf_ocio.lut.format_table import of_suffix
+from facecrf_ocio.lut.lint import errors_in
 from facecrf_ocio.lut.lint.text_tables import decimal_comma
 from facecrf_ocio.lut.numbers import is_of_numbers
 from facecrf_ocio.lut.ocio_processor import RefusedError, exact_cpu, ocio_processor
@@ -143,6 +144,10 @@ def lut_processor(lut: Path) -> Any:
     except OSError as error:
         raise LutError(f"{lut}: cannot be read ({error.strerror}); check the file") from error
     except RefusedError as error:
+        for found in errors_in(lut)[:1]:
+            if not found.unusable:  # in fewer words than OpenColorIO's, and with what to do
+                line = "" if found.line is None else f"line {found.line}: "
+                raise LutError(f"{lut}: {line}{found.problem}; {found.remedy}") from error
         raise LutError(
             f"{lut}: OpenColorIO cannot read it ({error}); give a LUT file such as .spi1d, .cube "
             "or .clf"

@@ -16,7 +16,7 @@ from facecrf_ocio.lut.numbers import is_of_numbers
 from facecrf_ocio.lut.ocio_processor import exact_cpu, ocio_processor
 from facecrf_ocio.lut.usable import ask
 
-__all__ = ["ERROR", "WARNING", "Finding", "error_notes", "lint", "luts_below"]
+__all__ = ["ERROR", "WARNING", "Finding", "error_notes", "errors_in", "lint", "luts_below"]
 
 _MOST_WARNINGS = 3  # of OpenColorIO for one file; the others mostly repeat them
 _LARGEST = 1 << 26
@@ -59,15 +59,17 @@ def lint(path: Path) -> tuple[Finding, ...]:
     return tuple(found)
 
 
-def error_notes(path: Path) -> tuple[str, ...]:
-    """What is wrong with a LUT that OpenColorIO runs all the same, the first of it, in a clause.
-
-    Empty where nothing is, or where the linter does not know the file's kind.
-    """
+def errors_in(path: Path) -> tuple[Finding, ...]:
+    """Errors of a LUT without its warnings; none where the linter does not know its kind."""
     try:
-        errors = [one for one in lint(path) if one.severity == ERROR]
+        return tuple(finding for finding in lint(path) if finding.severity == ERROR)
     except LutError:
         return ()
+
+
+def error_notes(path: Path) -> tuple[str, ...]:
+    """What is wrong with a LUT that OpenColorIO runs all the same, the first of it, in a clause."""
+    errors = errors_in(path)
     more = f" (and {len(errors) - 1} more by facecrf lint)" if len(errors) > 1 else ""
     return tuple(f"{path.name}: {one.problem}{more}; {one.remedy}" for one in errors[:1])
 

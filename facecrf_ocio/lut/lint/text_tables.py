@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -27,13 +28,21 @@ _KEYWORDS = {
     *("domain_min", "domain_max"),
     "bmd_title",  # Blackmagic Design's own LUTs; OpenColorIO passes over it
 }
+_TITLE = re.compile(rb"^TITLE\b", re.IGNORECASE | re.MULTILINE)
+_DOMAIN = re.compile(rb"^LUT_[13]D_INPUT_RANGE\b", re.IGNORECASE | re.MULTILINE)
 _MOST_UNKNOWN = 3  # unknown keywords told of; the others are like them
 _Lines = Iterator[tuple[int, list[str]]]
 
 
 def keyed_tables(path: Path, content: bytes) -> list[Table]:
     """The table of a .spi1d or a .cube of either style, with what is odd in it."""
-    return _tables(path, content, _keyed)
+    tables = _tables(path, content, _keyed)
+    title, domain = _TITLE.search(content), _DOMAIN.search(content)
+    if title and domain:  # of Iridas' style, and of Resolve's
+        line = content.count(b"\n", 0, title.start()) + 1
+        problem = "it has a TITLE and an INPUT_RANGE, of which OpenColorIO reads either"
+        tables.append(broken(path, line, problem, "take the line with TITLE out"))
+    return tables
 
 
 def csp_tables(path: Path, content: bytes) -> list[Table]:
