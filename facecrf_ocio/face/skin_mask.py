@@ -60,7 +60,9 @@ def find_skin(
     usable = bare_skin & (value < CLIPPED) & (darkest > BLACK)
     colored = usable & (saturation > MIN_SATURATION)
     mode, histogram = _hue_mode(hue[colored])
-    distance = np.abs((hue - mode + 180.0) % 360.0 - 180.0)
+    turned = hue - mode + 180.0
+    turned -= 360.0 * np.floor(turned / 360.0)  # NumPy's remainder takes some times as long
+    distance = np.abs(turned - 180.0)
     skin = colored & (distance <= settings.hue_half_width)
     if not skin.any():
         return SkinMask(skin, skin, mode, histogram)

@@ -12,6 +12,8 @@ def remark(text: str) -> str:
     """A text as one printable line, with the rest escaped and what is long cut."""
     words = " ".join(text.split())
     shown = words if len(words) <= _LONGEST else words[:_LONGEST] + "..."
+    if shown.isprintable():
+        return shown
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in shown)
 
 

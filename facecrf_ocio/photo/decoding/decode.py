@@ -18,7 +18,7 @@ from facecrf_ocio.photo.decoding.picture import MENDED, Picture
 from facecrf_ocio.photo.raster.pixels import Pixels, code_values, filled
 from facecrf_ocio.photo.tags.header import PHOTOMETRIC
 
-_BAND_ROWS = 64  # [px] read at once: what a processor keeps near, 1 MB of a photo 6000 px wide
+_BAND_ROWS = 32  # [px] read at once: what a processor keeps near, half a MB of 6000 px of width
 _WHITE_IS_ZERO = 0  # TIFF 6.0
 # As libtiff says it of what it was built without, and of what it does not know.
 _UNKNOWN_COMPRESSION = re.compile(r"compression support is not configured|decoding is not impl")
