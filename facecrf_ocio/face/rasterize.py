@@ -93,14 +93,13 @@ def interpolate(
     numpy.ndarray
         (H, W, C) float32, NaN outside of the mesh. Interpolated normals are shorter than 1.
     """
-    values = np.asarray(attributes, dtype=np.float32)
-    triangle = raster.triangle.ravel()
-    inside = np.flatnonzero(triangle >= 0)
-    corners = values[np.asarray(triangles, dtype=np.intp)].take(triangle[inside], axis=0)
-    corners *= raster.barycentric.reshape(-1, 3).take(inside, axis=0)[..., None]
-    result = np.full((triangle.size, values.shape[1]), np.nan, dtype=np.float32)
-    result[inside] = corners[:, 0] + corners[:, 1] + corners[:, 2]
-    return result.reshape(*raster.triangle.shape, values.shape[1])
+    values = np.asarray(attributes, dtype=np.float32)[np.asarray(triangles, dtype=np.intp)]
+    # Outside, where -1 takes the last triangle, its weights are NaN.
+    first, second, third = (
+        values[:, corner].take(raster.triangle, axis=0) * raster.barycentric[..., corner, None]
+        for corner in range(3)
+    )
+    return np.asarray(first + second + third)
 
 
 def vertex_normals(vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> Float:

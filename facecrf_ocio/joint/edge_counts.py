@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import cv2
@@ -28,8 +27,9 @@ def count_edges(planes: npt.NDArray[np.uint8] | npt.NDArray[np.int16], white: in
     """
     parts = white // _WHITE  # of a code, which the planes' integers count
     # Side by side, as runs go down, so that none leads from one window to the next.
-    turns = (planes.transpose(turn) for turn in ((1, 0, 2), (2, 0, 1)))
-    wide: Iterator[Any] = (np.ascontiguousarray(turn).reshape(len(turn), -1) for turn in turns)
+    _, height, width = planes.shape
+    down = np.ascontiguousarray(planes.transpose(1, 0, 2)).reshape(height, -1)
+    wide: tuple[Any, ...] = (down, cv2.transpose(planes.reshape(-1, width)))
     runs = [_runs(plane, parts) for plane in wide if len(plane) >= _RUN]
     if not runs:
         return np.zeros((EDGE_LEVELS, EDGE_LEVELS, 3))
