@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 from command_line import CommandLine
 
-from facecrf_ocio.cameras.known_cameras import matching, read_registry, shipped_cameras
+from facecrf_ocio.cameras.known_cameras import (
+    matching,
+    names_of,
+    read_registry,
+    shipped_cameras,
+)
 from facecrf_ocio.record.outputs import write_outputs
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.synthetic import gamma_curve
@@ -62,6 +67,20 @@ def test_a_camera_is_found_by_make_and_model():
     found = matching(shipped_cameras(), "Canon Inc.", "canon eos 5d")
     assert [one.model for one in found] == ["Canon EOS 5D"]
     assert matching(shipped_cameras(), "Nikon", "Canon EOS 5D") == ()
+
+
+@pytest.mark.parametrize(
+    ("make", "model", "also"),
+    [
+        ("Canon", "PowerShot S40", "Canon PowerShot S40"),
+        ("NIKON CORPORATION", "NIKON D90", "D90"),
+        ("OLYMPUS IMAGING CORP.", "E-M10", "olympus e-m10"),
+        ("", "D90", "D90"),
+    ],
+)
+def test_a_model_is_the_same_with_its_makers_name_and_without(make, model, also):
+    assert names_of(make, model) == names_of(make, also)
+    assert names_of(make, model) != names_of(make, f"{model}x")
 
 
 def test_a_measurement_is_added_listed_exported_and_merged(capfd, tmp_path, registry, monkeypatch):

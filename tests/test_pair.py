@@ -10,9 +10,11 @@ import cv2
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from command_line import CommandLine
 from photo_files import write_dng
 from PIL import Image
 
+from facecrf_ocio.cameras.known_cameras import matching, read_registry
 from facecrf_ocio.cli.facecrf import main
 from facecrf_ocio.color.working_space import working_space_matrix
 from facecrf_ocio.errors import PhotoError
@@ -281,6 +283,30 @@ def test_without_a_jpeg_the_picture_in_the_raw_file_is_taken(tmp_path, factor):
     assert record.source.camera.model == "Raw One"
     same = calibrate_pair(raw).estimate
     assert np.allclose(same.curve.linear, record.estimate.curve.linear, atol=1e-6)
+
+
+def test_raw_files_measure_their_camera(tmp_path, capfd, monkeypatch):
+    """All of one model together; files that give nothing are told, and none counts twice."""
+    registry = tmp_path / "cameras.json"
+    monkeypatch.setenv("FACECRF_CAMERAS", str(registry))
+    folder = tmp_path / "raws"
+    folder.mkdir()
+    for seed in (8, 9, 10):
+        raw_with_picture(folder / f"{seed}.dng", scene(seed), factor=0.5)
+    write_dng(folder / "bare.dng", mosaic(scene(8)))
+    measure = CommandLine(capfd)
+    one = measure("cameras", "measure", folder / "9.dng")
+    assert "Acme Raw One: by 1 raw file, grade B" in one.out
+    ended = measure("cameras", "measure", folder)
+    assert ended.code == 0
+    assert "Acme Raw One: by 3 raw files, 0.06 stops apart, grade A" in ended.out
+    assert "bare.dng: holds no JPEG by the camera" in ended.err
+    (found,) = read_registry(registry)
+    assert errors(found.curve).max() < 0.02
+    assert found.proof.count("sha256") == 3
+    # A maker's JPEGs begin the model with its name, raw files do not.
+    assert matching([found], "Acme", "Acme Raw One") == (found,)
+    assert measure("cameras", "measure", folder / "bare.dng").code != 0
 
 
 @pytest.mark.parametrize("software", [b"Adobe DNG Converter 15.4", b"Adobe Photoshop Lightroom"])

@@ -163,24 +163,26 @@ def joined(one: Iterable[KnownCamera], other: Iterable[KnownCamera]) -> tuple[Kn
     return tuple({camera.key: camera for camera in (*one, *other)}.values())
 
 
-def as_compared(name: str) -> str:
-    """A make or a model as two of them are compared."""
-    return name.strip().casefold()
+def names_of(make: str, model: str) -> frozenset[str]:
+    """All that files call one model: makers' JPEGs begin it with their name, raw files do not."""
+    maker, model = _maker(make), model.strip().casefold()
+    bare = model.removeprefix(f"{maker} ")
+    return frozenset({bare, f"{maker} {bare}"} if maker else {model})
 
 
 def matching(cameras: Iterable[KnownCamera], make: str, model: str) -> tuple[KnownCamera, ...]:
     """Those of this make and model, the surest first. Makes are compared by their first word."""
-
-    def first(text: str) -> str:
-        return (as_compared(text).split() or [""])[0]
-
+    names = names_of(make, model)
     found = [
         one
         for one in cameras
-        if as_compared(one.model) == as_compared(model)
-        and (first(one.make) == first(make) or not make)
+        if names & names_of(one.make, one.model) and (_maker(one.make) == _maker(make) or not make)
     ]
     return tuple(sorted(found, key=lambda one: (one.grade, one.spread_stops)))
+
+
+def _maker(make: str) -> str:
+    return (make.casefold().split() or [""])[0]
 
 
 def _parsed(path: Path, text: str) -> tuple[KnownCamera, ...]:

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import click
 
+from facecrf_ocio.cli.live import Bar
 from facecrf_ocio.cli.options import TEXT_PATH
 from facecrf_ocio.cli.sections import Listing
-from facecrf_ocio.cli.terminal import DONE, NOTHING, complain, ending_well, say
+from facecrf_ocio.cli.terminal import DONE, NOTHING, complain, ending_well, one_line, say
 from facecrf_ocio.files.plain_text import counted
 
 _NAME, _METHOD = 28, 7  # columns of the longest that ships, and of `bracket`
@@ -17,7 +18,7 @@ _NAME, _METHOD = 28, 7  # columns of the longest that ships, and of `bracket`
 @click.group(cls=Listing, invoke_without_command=True)
 @click.pass_context
 def cameras(context: click.Context) -> None:
-    """List cameras whose response was measured; add, export and merge your own."""
+    """List cameras whose response was measured; measure, add, export and merge your own."""
     if context.invoked_subcommand is None:
         context.invoke(list_cameras)
 
@@ -73,6 +74,48 @@ def add(records: tuple[Path, ...]) -> int:
     write_registry(target, joined(read_registry(target), new), overwrite=True)
     for one in new:
         say(f"{called(one.make, one.model)}: added to {target}")
+    return DONE
+
+
+@cameras.command()
+@click.argument("paths", nargs=-1, required=True, type=TEXT_PATH, metavar="RAW...")
+@ending_well
+def measure(paths: tuple[Path, ...]) -> int:
+    """Measure cameras by RAW files, or by those below folders, and add them.
+
+    A camera stores a picture of its own in its raw files, by the response of its JPEGs. Of each
+    model at most eight files count, and how far apart their curves lie is told. Files that were
+    measured before count once.
+    """
+    from facecrf_ocio.archive.walk import photos_under
+    from facecrf_ocio.cameras.known_cameras import (
+        called,
+        read_registry,
+        registry_path,
+        write_registry,
+    )
+    from facecrf_ocio.photo.containers.suffixes import RAW_SUFFIXES
+    from facecrf_ocio.record.measured_raws import measure_raws, with_measured
+
+    target = registry_path()
+    own = read_registry(target)
+    raws = [f"*{suffix}" for suffix in sorted(RAW_SUFFIXES)]
+    files: list[Path] = []
+    for path in paths:
+        files += photos_under(path, raws) if path.is_dir() else [path]
+    if not files:
+        return complain(f"{paths[0]}: holds no raw files; give a folder with some", NOTHING)
+    with Bar() as bar:
+        found = measure_raws(files, progress=lambda *told: bar.show(one_line(told[0]), *told[1:]))
+    for error in found.passed:
+        complain(str(error), NOTHING)
+    if not found.cameras:
+        return NOTHING
+    write_registry(target, with_measured(own, [one for one, _ in found.cameras]), overwrite=True)
+    for one, number in found.cameras:
+        spread = f", {one.spread_stops:.2f} stops apart" if number > 1 else ""
+        name = called(one.make, one.model)
+        say(f"{name}: by {counted(number, 'raw file')}{spread}, grade {one.grade}: in {target}")
     return DONE
 
 

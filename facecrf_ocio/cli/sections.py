@@ -47,6 +47,7 @@ EXAMPLES = {
     "chart": ("facecrf chart a.jpg -o luts",),
     "cameras": (
         "facecrf cameras list canon",
+        "facecrf cameras measure raws",
         "facecrf cameras add luts/a.jpg.crf.json",
     ),
     "clip": ("facecrf clip frame.%04d.jpg -o luts --exr",),

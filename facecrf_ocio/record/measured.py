@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from facecrf_ocio.cameras.known_cameras import POINTS, KnownCamera
 from facecrf_ocio.errors import LutError
 from facecrf_ocio.record.sidecar import Sidecar
-from facecrf_ocio.values import Confidence, Float, InverseCRF
+from facecrf_ocio.values import Camera, Confidence, Estimate, Float, InverseCRF
 
 MEASURED = ("pair", "bracket", "chart")
 """Estimators that measure; what others found in a photo is no measurement of a camera."""
@@ -32,18 +33,24 @@ def from_record(path: Path, record: Sidecar) -> KnownCamera:
     camera = record.source.camera
     if not camera.model:
         raise LutError(f"{path}: does not name its camera; use photos with EXIF")
-    at = np.linspace(0.0, 1.0, POINTS)
-    rows = tuple(
-        tuple(float(f"{v:.6g}") for v in np.interp(at, estimate.curve.encoded, row))
-        for row in estimate.curve.linear
-    )
-    told = estimate.confidence
-    grade = "B" if told is not None and told.verdict.value == "reliable" else "C"
     proof = f"{record.source.name} sha256 {record.source.sha256}: {estimate.reason}"
-    spread = 0.1 if told is None else spread_stops(estimate.curve, told)
+    return entry(camera, estimate, proof)
+
+
+def entry(camera: Camera, estimate: Estimate, proof: str) -> KnownCamera:
+    """A measurement as the registry holds it."""
+    at, curve, told = np.linspace(0.0, 1.0, POINTS), estimate.curve, estimate.confidence
+    rows = rounded([np.interp(at, curve.encoded, row) for row in curve.linear])
+    grade = "B" if told is not None and told.verdict.value == "reliable" else "C"
+    spread = 0.1 if told is None else spread_stops(curve, told)
     return KnownCamera(
         camera.make, camera.model, "", estimate.estimator, grade, spread, proof, rows
     )
+
+
+def rounded(rows: Iterable[Float]) -> tuple[tuple[float, ...], ...]:
+    """Linear light as a registry tells it: six digits."""
+    return tuple(tuple(float(f"{value:.6g}") for value in row) for row in rows)
 
 
 def spread_stops(curve: InverseCRF, told: Confidence) -> float:

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from facecrf_ocio.archive.manifest.camera_rows import models, take_back
 from facecrf_ocio.archive.manifest.damage import understanding
 from facecrf_ocio.archive.manifest.database import Manifest
-from facecrf_ocio.cameras.known_cameras import KnownCamera, as_compared, own_cameras
+from facecrf_ocio.cameras.known_cameras import KnownCamera, names_of, own_cameras
 
 _FACT = "cameras"
 
@@ -36,7 +36,7 @@ def reopen_measured(manifest: Manifest) -> int:
     changed = {model for model, _ in now.items() ^ before.items()}
     if not changed:
         return 0
-    affected = [model for model in models(manifest) if as_compared(model) in changed]
+    affected = [model for model in models(manifest) if model.strip().casefold() in changed]
     with manifest.transaction():
         count = sum(take_back(manifest, model) for model in affected)
         manifest.note(_FACT, json.dumps(now, sort_keys=True))
@@ -44,11 +44,12 @@ def reopen_measured(manifest: Manifest) -> int:
 
 
 def _digests(cameras: tuple[KnownCamera, ...]) -> dict[str, str]:
-    """Hash of all that is measured of each model, whatever the order."""
+    """Hash of all that is measured of each model, by all of its names, whatever the order."""
     of_model: dict[str, list[str]] = {}
     for one in cameras:
         said = json.dumps([*one.key, one.grade, one.spread_stops, one.linear])
-        of_model.setdefault(as_compared(one.model), []).append(said)
+        for name in names_of(one.make, one.model):
+            of_model.setdefault(name, []).append(said)
     return {
         model: hashlib.sha256("\n".join(sorted(said)).encode()).hexdigest()
         for model, said in of_model.items()
