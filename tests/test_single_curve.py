@@ -9,13 +9,15 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from face_photos import grace_hopper
+from face_photos import grace_hopper, turn
 from gain_map_files import jpeg, ultra_hdr_numbers, with_gain_map, xmp
 from photo_files import with_segments
 from PIL import Image
 
 from facecrf_ocio import Photo, calibrate, read_photo
 from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.face.detect import find_faces
+from facecrf_ocio.face.second_look import NOBODYS, is_nobodys
 from facecrf_ocio.joint import PhotoEvidence, conclude, gather
 from facecrf_ocio.joint.prior import Message
 from facecrf_ocio.joint.single_curve import (
@@ -29,7 +31,7 @@ from facecrf_ocio.joint.single_curve import (
     toned,
 )
 from facecrf_ocio.photo.tags.edits import edits_told, made_as_told
-from facecrf_ocio.settings import JointSettings
+from facecrf_ocio.settings import FaceSettings, JointSettings
 from facecrf_ocio.synthetic.jpeg import through_jpeg
 from facecrf_ocio.values import Camera, Lacking, Outcome, Verdict
 
@@ -372,3 +374,38 @@ def test_a_faces_own_parts_tell_how_its_picture_was_made_wrong(
 def test_a_face_in_any_light_is_as_it_should_be(gains: tuple, exposure: float) -> None:
     lit = np.clip(grace_hopper() * np.float32(gains) * np.float32(exposure), 0, 1)
     assert gather(Photo(lit)).doubt == ""
+
+
+class TestASecondLook:
+    """A face that one detector is not sure of, and the other does not see, is nobody's."""
+
+    @pytest.mark.parametrize("degrees", [0, 45, 90, 180, 300])
+    @pytest.mark.parametrize("scale", [0.5, 1.0, 2.0])
+    def test_somebodys_face_however_turned(self, degrees: int, scale: float) -> None:
+        turned, _ = turn(cv2.resize(grace_hopper(), None, fx=scale, fy=scale), degrees)
+        (face,) = find_faces(turned, FaceSettings()).faces
+        assert not is_nobodys(turned, replace(face, score=0.8))
+
+    @pytest.mark.parametrize("dtype", [np.uint8, np.float32])
+    def test_nobodys(self, dtype: type) -> None:
+        (face,) = find_faces(grace_hopper(), FaceSettings()).faces
+        plain = cv2.GaussianBlur(grace_hopper(), (0, 0), 40)
+        plain = np.rint(255 * plain).astype(np.uint8) if dtype is np.uint8 else plain
+        assert is_nobodys(plain, replace(face, score=0.8))
+        assert not is_nobodys(plain, replace(face, score=0.95))  # the first detector is sure
+
+    def test_at_the_edge_of_the_picture(self) -> None:
+        (face,) = find_faces(grace_hopper(), FaceSettings()).faces
+        x, y, width, height = face.box_xy.astype(int)
+        cut = grace_hopper()[y : y + height, x : x + width]
+        here = face.landmarks_xyz - np.array([x, y, 0.0])
+        assert not is_nobodys(cut, replace(face, score=0.8, landmarks_xyz=here))
+
+    def test_is_told_and_never_reliable(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        photo = Photo(grace_hopper())
+        monkeypatch.setattr("facecrf_ocio.joint.evidence.is_nobodys", lambda *_: True)
+        evidence = gather(photo)
+        assert NOBODYS in evidence.doubt
+        told = conclude([evidence]).confidence
+        assert told.verdict is not Verdict.RELIABLE
+        assert any(NOBODYS in doubt for doubt in told.doubts)

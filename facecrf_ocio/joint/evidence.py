@@ -17,6 +17,7 @@ import numpy as np
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.face.no_face import lacking_faces
+from facecrf_ocio.face.second_look import NOBODYS, is_nobodys
 from facecrf_ocio.face.view import cut_face
 from facecrf_ocio.files.threads import OtherThread
 from facecrf_ocio.joint.face_parts import odd_parts
@@ -191,6 +192,7 @@ def _observed(photo: Photo, settings: JointSettings, other: OtherThread) -> Obse
     of_face = face_statistics(view, settings)
     doubts = list(filter(None, [strange_skin(photo.pixels, face.box_xy)]))
     doubts += odd_parts(view, photo.pixels)
+    doubts += [NOBODYS] if is_nobodys(photo.pixels, face) else []
     for found_out in (ask_levels(), ask_tone()):
         if isinstance(found_out, Lacking):
             return found_out
