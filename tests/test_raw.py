@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -46,3 +47,14 @@ class TestCameraRaw:
         (tmp_path / "a.nef").write_text("not a photo" * 100)
         with pytest.raises(PhotoError, match="not camera raw"):
             read_photo(tmp_path / "a.nef")
+
+
+@pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="no way to see where stderr leads")
+def test_threads_that_read_camera_raw_leave_stderr_as_it_was(tmp_path: Path) -> None:
+    """LibRaw is kept quiet meanwhile, and of two threads the second found it quiet already."""
+    flat = np.full((300, 400), 9000.0)
+    paths = [write_dng(tmp_path / f"{number}.dng", flat) for number in range(6)]
+    before = Path("/proc/self/fd/2").readlink()
+    with ThreadPoolExecutor(3) as pool:
+        assert all(photo.scene_linear for photo in pool.map(read_photo, paths))
+    assert Path("/proc/self/fd/2").readlink() == before

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import os
 import threading
+from functools import partial
 
 import click
 import cv2
 import pytest
 
 from facecrf_ocio.cli.facecrf import main
-from facecrf_ocio.files.threads import OtherThread, beside, one_opencv_thread, usable_cores
+from facecrf_ocio.files.threads import (
+    OtherThread,
+    WhileAny,
+    beside,
+    one_opencv_thread,
+    usable_cores,
+)
 
 
 def test_cores_are_those_that_this_process_may_use(monkeypatch):
@@ -86,3 +93,30 @@ def test_what_fails_beside_other_work_is_no_fault_of_that():
         pass
     with pytest.raises(KeyError), beside(lambda: 1 // 0):
         raise KeyError
+
+
+@pytest.mark.parametrize("first_out", [0, 1])
+def test_what_threads_share_is_ended_by_the_last_of_them(first_out):
+    state = ["loud"]
+
+    def begin():
+        former, state[0] = state[0], "quiet"
+        return lambda: state.__setitem__(0, former)
+
+    shared = WhileAny(begin)
+    for _ in range(2):
+        inside = [shared(), shared()]
+        for one in inside:
+            one.__enter__()
+        inside[first_out].__exit__(None, None, None)
+        assert state == ["quiet"]
+        inside[1 - first_out].__exit__(None, None, None)
+        assert state == ["loud"]
+
+
+def test_it_ends_where_the_block_fails():
+    opened = []
+    shared = WhileAny(lambda: opened.append("begun") or partial(opened.append, "ended"))
+    with pytest.raises(OSError, match="lost"), shared():
+        raise OSError("lost")
+    assert opened == ["begun", "ended"]

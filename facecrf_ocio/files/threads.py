@@ -9,6 +9,8 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
+from threading import Lock
 from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
@@ -88,14 +90,41 @@ def _pool() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(1)
 
 
-@contextmanager
-def one_opencv_thread() -> Iterator[None]:
-    """Let OpenCV, which threadpoolctl does not know, work in one thread meanwhile."""
+class WhileAny:
+    """What holds for the whole process while any of its threads is inside of a block.
+
+    Were it begun and ended by each thread alone, one could take another's beginning for the former
+    state, and leave it behind for good.
+    """
+
+    def __init__(self, begin: Callable[[], Callable[[], object]]) -> None:
+        self._begin = begin
+        self._end: Callable[[], object] = int  # that of nobody
+        self._inside, self._lock = 0, Lock()
+
+    @contextmanager
+    def __call__(self) -> Iterator[None]:
+        """Begin it where nobody has, and end it where nobody else is inside."""
+        with self._lock:
+            if not self._inside:
+                self._end = self._begin()
+            self._inside += 1
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._inside -= 1
+                if not self._inside:
+                    self._end()
+
+
+def _hold_opencv() -> Callable[[], object]:
     import cv2  # noqa: PLC0415 - heavy
 
     former = cv2.getNumThreads()
     cv2.setNumThreads(1)
-    try:
-        yield
-    finally:
-        cv2.setNumThreads(former)
+    return partial(cv2.setNumThreads, former)
+
+
+one_opencv_thread = WhileAny(_hold_opencv)
+"""Lets OpenCV, which threadpoolctl does not know, work in one thread meanwhile."""

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ import rawpy
 
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import plain_text
+from facecrf_ocio.files.threads import WhileAny
 from facecrf_ocio.photo.containers.integrity import COPY_AGAIN, check_size
 from facecrf_ocio.photo.containers.suffixes import RAW_SUFFIXES
 from facecrf_ocio.photo.decoding.orientation import upright
@@ -116,21 +116,21 @@ def _cropped(linear: Pixels, sizes: Any) -> Pixels:
     return crop if crop.shape[:2] == (sizes.crop_height, sizes.crop_width) else linear
 
 
-@contextmanager
-def _without_remarks() -> Iterator[None]:
-    """Keep LibRaw from printing to stderr.
-
-    It does so about damaged files, besides returning an error, and rawpy cannot ask it not to.
-    """
+def _turn_stderr_away() -> Callable[[], object]:
     try:
         kept = os.dup(2)
     except OSError:  # no stderr: nothing to keep quiet
-        yield
-        return
-    try:
-        with open(os.devnull, "wb") as nowhere:  # noqa: PTH123
-            os.dup2(nowhere.fileno(), 2)
-        yield
-    finally:
+        return int
+    with open(os.devnull, "wb") as nowhere:  # noqa: PTH123
+        os.dup2(nowhere.fileno(), 2)
+
+    def turn_back() -> None:
         os.dup2(kept, 2)
         os.close(kept)
+
+    return turn_back
+
+
+# LibRaw prints to stderr about damaged files, besides returning an error, and rawpy cannot ask it
+# not to.
+_without_remarks = WhileAny(_turn_stderr_away)
