@@ -67,6 +67,16 @@ def test_a_known_response_comes_back(curve, fall, turn, quality):
     assert 0.01 < told.mid < 0.08
 
 
+@pytest.mark.parametrize("glare", [0.003, 0.009])
+def test_glare_of_the_lens_is_allowed_for(glare):
+    """Black patches look brighter than they are: the shadows' curve must not be bent by that."""
+    truth = KNOWN["contrasty"]
+    light, corners = lit_chart(3, white=0.75, glare=glare)
+    found = calibrate_chart(shot(light, truth, quality=95)[1], corners).estimate
+    assert shadows(found.curve, truth) < 0.35
+    assert shadows(found.curve, truth) < 2.0 * found.confidence.in_stops.shadows
+
+
 def test_light_that_falls_off_is_measured():
     light, corners = lit_chart(1, white=0.5, fall=1.0)
     found = calibrate_chart(shot(light, KNOWN["srgb"])[1], corners)
@@ -109,11 +119,12 @@ def test_what_is_clipped_is_left_out_and_too_little_is_refused():
     assert "fewer than 4 grays" in refused.reason
 
 
-def test_grays_that_no_curve_joins():
+@pytest.mark.parametrize("factors", [(0.5, 2.2), (0.4, 2.5), (0.6, 1.6)])
+def test_grays_that_no_curve_joins(factors):
     light, corners = lit_chart(6)
     spoiled = light.copy()
     quad = by_corners(corners)
-    for column, factor in ((1, 0.5), (3, 2.2)):
+    for column, factor in zip((1, 3), factors, strict=True):
         x, y = np.rint(to_pixels(quad, np.array([[column, 3.0]]))[0]).astype(int)
         spoiled[y - 24 : y + 24, x - 24 : x + 24] *= factor
     estimate = calibrate_chart(shot(spoiled, KNOWN["srgb"])[1], corners).estimate

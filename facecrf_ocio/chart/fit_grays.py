@@ -1,9 +1,11 @@
 """From a few grays of known reflectance to a curve a channel, against the prior of responses.
 
 In the root of light the prior is linear in its coefficients (`joint.prior`), and so is a gray of
-reflectance r: root(code) = t sqrt(r), t being the root of the unknown exposure. All unknowns (the
-coefficients that the channels share, each channel's departures, each channel's t) are then found
-in one step for each component of the prior, with exact bands.
+light r: root(code) = t sqrt(r), t being the root of the unknown exposure. A lens lays glare on top
+of every patch, r being what the patch reflects and g of white: sqrt(r + g) is taken as linear in g
+about what is usual. All unknowns (the coefficients that the channels share, each channel's
+departures, each channel's t, the one g) are then found in one step for each component of the prior,
+with exact bands.
 """
 
 from __future__ import annotations
@@ -20,12 +22,21 @@ from facecrf_ocio.values import CHANNELS, Float
 APART = 0.35
 _EXPOSURE = 10.0  # [root of light] standard deviation of t: not known
 _TOLERANCE = 0.015  # of a patch's light: charts fade, get dirty, and are made within about 1 %
-_GLARE = 0.0015  # [white] of a lens, on top of every patch
+# [white] Glare on top of every patch: its mean, and its standard deviation from photo to photo.
+GLARE, _GLARE_SPREAD = 0.006, 0.004
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Grays:
-    """Patches of one channel that are used: codes in [0, 1], their deviations, and their light."""
+    """Patches of one channel that are used.
+
+    Attributes
+    ----------
+    codes, deviation
+        (N,) in [0, 1], and their standard deviations.
+    light
+        (N,) light in units of white, usual glare included.
+    """
 
     codes: Float
     deviation: Float
@@ -88,33 +99,33 @@ def fit_grays(
 def _equations(
     channel: int, grays: Grays, prior: FamilyPrior, roots: Float
 ) -> tuple[Float, Float, Float]:
-    """Rows over (shared, departures of R, G, B, t of R, G, B), right sides, deviations."""
+    """Rows over (shared, departures of R, G, B, t of R, G, B, g), right sides, deviations."""
     size = prior.means.shape[1]
     basis = np.array([np.interp(grays.codes, prior.grid, b) for b in prior.basis]).T
-    rows = np.zeros((len(grays.codes), (1 + len(CHANNELS)) * size + len(CHANNELS)))
+    rows = np.zeros((len(grays.codes), (1 + len(CHANNELS)) * size + len(CHANNELS) + 1))
     rows[:, :size] = basis
     rows[:, (1 + channel) * size : (2 + channel) * size] = basis
     rows[:, (1 + len(CHANNELS)) * size + channel] = -np.sqrt(grays.light)
     level = np.maximum(np.interp(grays.codes, prior.grid, roots), 1e-3)
+    exposure = float(np.median(level / np.sqrt(grays.light)))
+    rows[:, -1] = -0.5 * exposure / np.sqrt(grays.light)
     slope = np.interp(grays.codes, prior.grid, np.gradient(roots, prior.grid))
-    deviation = np.sqrt(
-        (slope * grays.deviation) ** 2
-        + (0.5 * _TOLERANCE * level) ** 2
-        + (0.5 * _GLARE / level) ** 2
-    )
+    deviation = np.hypot(slope * grays.deviation, 0.5 * _TOLERANCE * level)
     return rows, -np.interp(grays.codes, prior.grid, prior.mean), deviation
 
 
 def _posterior(system: Float, target: Float, prior: FamilyPrior, weights: Float) -> Posterior:
     """A Gaussian a component of the prior, as for any linear measurement."""
     size, count = prior.means.shape[1], len(CHANNELS)
-    own = np.concatenate([np.full(count * size, APART**2), np.full(count, _EXPOSURE**2)])
+    own = np.concatenate(
+        [np.full(count * size, APART**2), np.full(count, _EXPOSURE**2), [_GLARE_SPREAD**2]]
+    )
     means, covariances, logs = [], [], []
     for mean, covariance in zip(prior.means, prior.covariances, strict=True):
         before = np.zeros((system.shape[1],) * 2)
         before[:size, :size] = covariance
         before[range(size, len(before)), range(size, len(before))] = own
-        start = np.concatenate([mean, np.zeros(count * size), np.full(count, 1.0)])
+        start = np.concatenate([mean, np.zeros(count * size), np.full(count, 1.0), [0.0]])
         spread = system @ before @ system.T + np.eye(len(target))
         gain = np.linalg.solve(spread, system @ before).T
         miss = target - system @ start

@@ -31,9 +31,13 @@ def lit_chart(
     white: float = 0.8,
     fall: float = 0.0,
     turn: float = 0.0,
+    glare: float = 0.005,
     shape: tuple[int, int] = (640, 820),
 ) -> tuple[Float, Float]:
-    """(H, W, 3) light and (4, 2) corners: in perspective, turned [degree], light falling [stop]."""
+    """(H, W, 3) light and (4, 2) corners: in perspective, turned [degree], light falling [stop].
+
+    A lens lays glare on all of it, in units of what white reflects in the middle.
+    """
     random = np.random.default_rng(seed)
     height, width = shape
     plain = np.array([[0, 0], [WIDE, 0], [WIDE, HIGH], [0, HIGH]], float)
@@ -50,7 +54,7 @@ def lit_chart(
     edge = [[FRAME, FRAME], [WIDE - FRAME, FRAME], [WIDE - FRAME, HIGH - FRAME]]
     edge.append([FRAME, HIGH - FRAME])
     corners = np.asarray(cv2.perspectiveTransform(_single([edge]), matrix)[0], np.float64)
-    return np.asarray(lit, np.float64) * white / reflectances()[18, 1], corners
+    return np.asarray(lit + glare, np.float64) * white / reflectances()[18, 1], corners
 
 
 def shot(
