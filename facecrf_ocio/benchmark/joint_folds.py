@@ -1,6 +1,8 @@
 """What the joint estimator may have learned when a fold of responses is held out.
 
-The shipped weights were trained with three files of responses. Beside the package, a checkout has
+The shipped weights were trained with three files of responses, and their prior has a component of a
+fourth, of cameras measured by charts, which is made anew without a fold of their makers. Beside the
+package, a checkout has
 weights that were trained without each of five folds of DoRF's rows, with their guard, and without
 each of five folds of makers, of published digital responses and of those that were solved from
 exposure stacks; a maker is left out of both. Responses of other files are strangers to the shipped
@@ -9,11 +11,14 @@ weights anyhow.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 
+from facecrf_ocio.benchmark.chart_cameras import CHART_CAMERAS, chart_cameras, with_chart_cameras
+from facecrf_ocio.benchmark.folds import assign_folds
 from facecrf_ocio.benchmark.responses import Responses
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.joint import JointModel, joint_of, shipped_joint
@@ -35,6 +40,10 @@ def joint_model(responses: Responses, fold: int | None) -> JointModel:
     SettingsError
         If the responses were trained with and no weights without them exist here.
     """
+    if fold is not None and responses.sha256 == _charts():
+        makers = np.array(responses.families)[assign_folds(responses, FOLDS) == fold]
+        shipped = shipped_joint()
+        return replace(shipped, prior=with_chart_cameras(shipped.prior, makers.tolist()))
     if fold is None or responses.sha256 not in _FILE:
         return shipped_joint()
     if not 0 <= fold < FOLDS:
@@ -48,6 +57,11 @@ def joint_model(responses: Responses, fold: int | None) -> JointModel:
             "them come with a checkout of the project, not with the package; use --protocol paper"
         )
     return held_out_joint(HELD_OUT, f"{_FILE[responses.sha256]}{fold}")
+
+
+def _charts() -> str:
+    """Digest of the responses measured by charts, of which the prior alone was made."""
+    return chart_cameras().sha256 if CHART_CAMERAS.is_file() else ""
 
 
 @cache

@@ -25,9 +25,10 @@ from facecrf_ocio.training.plan import (
     Data,
     held_out_names,
     left_out,
+    makers_left_out,
 )
 from facecrf_ocio.training.simulate_parts import simulate_parts
-from facecrf_ocio.training.weights import pack, with_band
+from facecrf_ocio.training.weights import pack, with_band, with_cameras
 
 _FOLDER = click.Path(path_type=Path, file_okay=False)
 _FILE = click.Path(path_type=Path, dir_okay=False)
@@ -83,6 +84,34 @@ def fit_command(folder: Path, data: Path, without: str | None, **choices: Any) -
     training = Training(epochs=choices["epochs"], members=choices["members"])
     told = {"parts": len(paths), "data_sha256": source.digests()}
     fit_joint(choices["output"], kept, training, without, told)
+
+
+@main.command("charts")
+@click.argument("folder", type=_FOLDER)
+@click.option("--without", multiple=True, metavar="MAKER/MODEL", help="Folders to pass over.")
+@click.option("-o", "--output", required=True, type=_FILE)
+def charts_command(folder: Path, without: tuple[str, ...], output: Path) -> None:
+    """Measure cameras by photos of a color chart, in FOLDER/MAKER/MODEL."""
+    from facecrf_ocio.training.measure_charts import measure_charts, store_charts  # noqa: PLC0415
+
+    found = []
+    for one in measure_charts(folder, without):
+        click.echo(f"{one.maker} {one.model}: {one.photos} photos, {one.kind}")
+        found.append(one)
+    store_charts(found, output)
+
+
+@main.command("cameras")
+@_DATA
+@click.argument("weights", nargs=-1, required=True, type=_FILE)
+def cameras_command(data: Path, weights: tuple[Path, ...]) -> None:
+    """Give the prior of WEIGHTS, packed or not, its component of cameras measured by charts."""
+    for path in weights:
+        with_cameras(path, _makers_left_out(Data(data)))
+
+
+def _makers_left_out(data: Data) -> dict[str, tuple[str, ...]]:
+    return {name: makers_left_out(name, data) for name in held_out_names()}
 
 
 @main.command("band")
@@ -150,6 +179,7 @@ def reproduce_command(
     if not output.exists():
         fit_joint(output, examples, training, None, told)
     if held_out is None:
+        with_cameras(output, {})
         return
     made = {}
     for name in held_out_names():
@@ -159,6 +189,8 @@ def reproduce_command(
             alone = replace(training, members=HELD_OUT_MEMBERS)
             fit_joint(made[name], kept, alone, name, told)
     pack(held_out, made)
+    for path in (output, held_out):
+        with_cameras(path, _makers_left_out(source))
     _measure_and_set(source, held_out, choices["band_photos"], BAND_SEED, (output, held_out))
 
 

@@ -105,9 +105,16 @@ def left_out(name: str, examples: Examples, data: Data) -> npt.NDArray[np.bool_]
     return np.asarray((examples.family == family) & touched)
 
 
+def makers_left_out(name: str, data: Data) -> tuple[str, ...]:
+    """Makers whose responses weights of this name must not see."""
+    file, fold = name[:-1], int(name[-1])
+    if file == "dorf":
+        return ()
+    responses = read_responses(data.modern if file == "modern" else data.stacks)
+    of_fold = np.array(responses.families)[assign_folds(responses, FOLDS) == fold]
+    return tuple(sorted(set(of_fold.tolist())))
+
+
 @cache
 def _modern_rows(name: str, data: Data) -> npt.NDArray[np.intp]:
-    file, fold = name[:-1], int(name[-1])
-    responses = read_responses(data.modern if file == "modern" else data.stacks)
-    held_out = np.array(responses.families)[assign_folds(responses, FOLDS) == fold]
-    return np.flatnonzero(np.isin(data.curves().maker, held_out))
+    return np.flatnonzero(np.isin(data.curves().maker, makers_left_out(name, data)))

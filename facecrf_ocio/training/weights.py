@@ -5,16 +5,17 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from facecrf_ocio.benchmark.chart_cameras import with_chart_cameras
 from facecrf_ocio.files.smooth_arrays import SMOOTH, smooth_bytes
 from facecrf_ocio.joint.familiarity import Familiarity
-from facecrf_ocio.joint.prior import FamilyPrior
+from facecrf_ocio.joint.prior import FamilyPrior, prior_of
 from facecrf_ocio.joint.whole_steps import STEP
 from facecrf_ocio.values import Float
 
@@ -43,10 +44,9 @@ def save_joint(
     made_by
         What `describe` tells.
     """
-    arrays: dict[str, Any] = {
-        f"prior_{name}": np.asarray(getattr(prior, name), dtype=np.float32)
-        for name in ("weights", "means", "covariances", "family")
-    } | {f"prior_{name}{SMOOTH}": smooth_bytes(getattr(prior, name)) for name in ("mean", "basis")}
+    arrays: dict[str, Any] = _mixture(prior) | {
+        f"prior_{name}{SMOOTH}": smooth_bytes(getattr(prior, name)) for name in ("mean", "basis")
+    }
     for number, member in enumerate(members):
         for name, value in member.items():
             cue, part = name.split("/")
@@ -95,6 +95,35 @@ def with_band(
             made_by = json.loads(str(value) or "{}") | {"band_measured": measured}
             arrays[name] = np.array(json.dumps(made_by, sort_keys=True))
     _write(path, arrays)
+
+
+def with_cameras(path: Path, held_out: Mapping[str, Collection[str]]) -> None:
+    """Give the priors in a file of weights their component of cameras measured by charts.
+
+    Parameters
+    ----------
+    path
+        Weights, packed or not.
+    held_out
+        By the name of packed weights, makers that they must not see.
+    """
+    with np.load(path, allow_pickle=False) as stored:
+        arrays: dict[str, Any] = {name: stored[name] for name in stored.files}
+    for begin in sorted({name.rpartition("/")[0] for name in arrays}):
+        start = f"{begin}/" if begin else ""
+        own = {
+            name.removeprefix(start): array
+            for name, array in arrays.items()
+            if name.startswith(f"{start}prior_")
+        }
+        prior = with_chart_cameras(prior_of(own), held_out.get(begin, ()))
+        arrays |= {f"{start}{name}": array for name, array in _mixture(prior).items()}
+    _write(path, arrays)
+
+
+def _mixture(prior: FamilyPrior) -> dict[str, Float]:
+    names = ("weights", "means", "covariances", "family")
+    return {f"prior_{name}": np.asarray(getattr(prior, name), np.float32) for name in names}
 
 
 def _write(path: Path, arrays: Mapping[str, Any]) -> None:

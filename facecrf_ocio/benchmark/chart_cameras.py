@@ -1,0 +1,93 @@
+"""Responses of real cameras, measured by charts, and what they make of a prior of responses.
+
+The curves are of one collection of photos straight from cameras (`training/measure_charts.py`).
+They are smooth and alike, as makers' own curves are, where those solved from stacks have waves and
+published ones differ by who published them: so they get a component of their own.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from facecrf_ocio.benchmark.responses import Responses, read_responses
+from facecrf_ocio.joint.prior import FAMILIES, FamilyPrior
+from facecrf_ocio.values import Float
+
+CHART_CAMERAS = Path(__file__).parents[2] / "examples" / "results" / "chart_cameras.npz"
+"""In a checkout, as the weights that hold responses out are."""
+
+_FITTED = 20  # components that are fitted to drawn responses (`training/fit.py`)
+_SHARE = 0.5  # of the cameras' family, as none is known to be likelier; chosen by judgment
+# Of what coefficients have in common: so few cameras tell no correlation of twelve for sure.
+_ALONE = 0.3
+_LEAST = 0.05  # [deviation of the prior] that is added in each coefficient, for the charts' errors
+_CAMERA = FAMILIES.index("camera")
+
+
+@cache
+def chart_cameras() -> Responses:
+    """The responses that were measured."""
+    return read_responses(CHART_CAMERAS)
+
+
+def maker_of(name: str) -> str:
+    """A maker as several files write it: its first word."""
+    return (name.replace("-", " ").casefold().split() or [""])[0]
+
+
+def with_chart_cameras(prior: FamilyPrior, without: Collection[str] = ()) -> FamilyPrior:
+    """A prior whose cameras' family has one component more, or that one anew.
+
+    Parameters
+    ----------
+    prior
+        As fitted, or what this function made of it.
+    without
+        Makers that are held out.
+    """
+    measured, held_out = chart_cameras(), {maker_of(one) for one in without}
+    makers = [maker_of(measured.family(row)) for row in range(len(measured.names))]
+    kept = [
+        row
+        for row, maker in enumerate(makers)
+        if maker not in held_out and measured.kind(row) == "camera_jpeg"
+    ]
+    fitted = slice(0, _FITTED)
+    grid = np.linspace(0.0, 1.0, measured.inverse.shape[2])
+    roots = np.array([np.interp(prior.grid, grid, np.sqrt(measured.inverse[r][1])) for r in kept])
+    points = np.linalg.lstsq(prior.basis.T, (roots - prior.mean).T, rcond=None)[0].T
+    number = Counter(makers[row] for row in kept)
+    # Models of one maker are alike: nine of them count as three.
+    trust = np.array([number[makers[row]] ** -0.5 for row in kept])
+    trust /= trust.sum()
+    mean = trust @ points
+    away = points - mean
+    spread = (away * trust[:, None]).T @ away / (1.0 - (trust**2).sum())
+    spread = (1.0 - _ALONE) * spread + _ALONE * np.diag(np.diag(spread))
+    spread += _LEAST**2 * np.eye(len(mean))
+    family = np.append(prior.family[fitted], _CAMERA)
+    return FamilyPrior(
+        prior.grid,
+        prior.mean,
+        prior.basis,
+        _weights(family),
+        np.vstack([prior.means[fitted], mean]),
+        np.concatenate([prior.covariances[fitted], spread[None]]),
+        family,
+    )
+
+
+def _weights(family: Float) -> Float:
+    """Each family alike, and in it each component; of cameras' the last one has its own share."""
+    weights = np.zeros(len(family))
+    for number in range(len(FAMILIES)):
+        own = np.flatnonzero(family[:-1] == number)
+        weights[own] = 1.0 / len(own) / len(FAMILIES)
+    weights[:-1][family[:-1] == _CAMERA] *= 1.0 - _SHARE
+    weights[-1] = _SHARE / len(FAMILIES)
+    return weights
