@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -16,7 +17,6 @@ import numpy as np
 
 from facecrf_ocio.benchmark.responses import Responses, read_responses
 from facecrf_ocio.joint.prior import FAMILIES, FamilyPrior
-from facecrf_ocio.values import Float
 
 CHART_CAMERAS = Path(__file__).parents[2] / "examples" / "results" / "chart_cameras.npz"
 """In a checkout, as the weights that hold responses out are."""
@@ -40,6 +40,20 @@ def maker_of(name: str) -> str:
     return (name.replace("-", " ").casefold().split() or [""])[0]
 
 
+def fitted_prior(prior: FamilyPrior) -> FamilyPrior:
+    """A prior without the component of chart cameras, as it was fitted to drawn responses."""
+    fitted = slice(0, _FITTED)
+    family = prior.family[fitted]
+    number = np.array([(family == one).sum() for one in family])
+    return replace(
+        prior,
+        weights=1.0 / number / len(FAMILIES),
+        means=prior.means[fitted],
+        covariances=prior.covariances[fitted],
+        family=family,
+    )
+
+
 def with_chart_cameras(prior: FamilyPrior, without: Collection[str] = ()) -> FamilyPrior:
     """A prior whose cameras' family has one component more, or that one anew.
 
@@ -57,7 +71,7 @@ def with_chart_cameras(prior: FamilyPrior, without: Collection[str] = ()) -> Fam
         for row, maker in enumerate(makers)
         if maker not in held_out and measured.kind(row) == "camera_jpeg"
     ]
-    fitted = slice(0, _FITTED)
+    prior = fitted_prior(prior)
     grid = np.linspace(0.0, 1.0, measured.inverse.shape[2])
     roots = np.array([np.interp(prior.grid, grid, np.sqrt(measured.inverse[r][1])) for r in kept])
     points = np.linalg.lstsq(prior.basis.T, (roots - prior.mean).T, rcond=None)[0].T
@@ -70,24 +84,11 @@ def with_chart_cameras(prior: FamilyPrior, without: Collection[str] = ()) -> Fam
     spread = (away * trust[:, None]).T @ away / (1.0 - (trust**2).sum())
     spread = (1.0 - _ALONE) * spread + _ALONE * np.diag(np.diag(spread))
     spread += _LEAST**2 * np.eye(len(mean))
-    family = np.append(prior.family[fitted], _CAMERA)
-    return FamilyPrior(
-        prior.grid,
-        prior.mean,
-        prior.basis,
-        _weights(family),
-        np.vstack([prior.means[fitted], mean]),
-        np.concatenate([prior.covariances[fitted], spread[None]]),
-        family,
+    others = np.where(prior.family == _CAMERA, 1.0 - _SHARE, 1.0) * prior.weights
+    return replace(
+        prior,
+        weights=np.append(others, _SHARE / len(FAMILIES)),
+        means=np.vstack([prior.means, mean]),
+        covariances=np.concatenate([prior.covariances, spread[None]]),
+        family=np.append(prior.family, _CAMERA),
     )
-
-
-def _weights(family: Float) -> Float:
-    """Each family alike, and in it each component; of cameras' the last one has its own share."""
-    weights = np.zeros(len(family))
-    for number in range(len(FAMILIES)):
-        own = np.flatnonzero(family[:-1] == number)
-        weights[own] = 1.0 / len(own) / len(FAMILIES)
-    weights[:-1][family[:-1] == _CAMERA] *= 1.0 - _SHARE
-    weights[-1] = _SHARE / len(FAMILIES)
-    return weights

@@ -8,9 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from facecrf_ocio.benchmark.chart_cameras import fitted_prior
 from facecrf_ocio.chart.calibrate_chart import calibrate_chart
 from facecrf_ocio.errors import FaceCRFError
 from facecrf_ocio.joint.metadata import phone_leaning
+from facecrf_ocio.joint.prior import shipped_prior
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.response.stops import CODES, MID_CODES, mean_over
 from facecrf_ocio.values import Float, Verdict
@@ -75,11 +77,12 @@ def store_charts(cameras: Collection[ChartCamera], path: Path) -> None:
 
 def _measured(place: Path, maker: str, model: str) -> ChartCamera | None:
     paths = sorted(path for path in place.rglob("*") if path.suffix.lower() in _JPEGS)
-    curves, phone = [], 0.0
+    # Not by the prior that these curves are to widen.
+    curves, phone, prior = [], 0.0, fitted_prior(shipped_prior())
     for path in paths:
         try:
             photo = read_photo(path)
-            estimate = calibrate_chart(photo).estimate
+            estimate = calibrate_chart(photo, prior=prior).estimate
         except FaceCRFError:
             continue  # another subject, or a chart that nobody finds
         told = estimate.confidence
