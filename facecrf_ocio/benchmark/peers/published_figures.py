@@ -38,8 +38,8 @@ _BLIND = (
 )
 # `facecrf bench stress`, a day's photos through held-out DoRF responses; see docs/accuracy.md.
 _OURS = (
-    ("`facecrf calibrate`, rendered heads", "4.6", "13.7"),
-    ("`facecrf calibrate`, real photos", "8.4", "19.3"),
+    ("`facecrf calibrate`, rendered heads", "4.3", "15.2"),
+    ("`facecrf calibrate`, real photos", "8.7", "19.4"),
 )
 
 
