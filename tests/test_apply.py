@@ -82,10 +82,10 @@ class TestLut:
         ("name", "content", "problem"),
         [
             ("a.spi1d", None, "does not exist"),
-            ("a.spi1d", "", "cannot read"),
-            ("a.spi1d", "not a LUT\n", "cannot read"),
+            ("a.spi1d", "", "no size is given"),
+            ("a.spi1d", "not a LUT\n", "no size is given"),
             ("a.xyz", "not a LUT\n", "cannot read"),
-            ("a.cube", "LUT_1D_SIZE 3\n0 0 0\n", "cannot read"),
+            ("a.cube", "LUT_1D_SIZE 3\n0 0 0\n", "1 entries where 3 are promised"),
             ("a.spi1d", "Version 1\nFrom 0 1\nLength 2\nComponents 1\n{\nnan\nnan\n}\n", "NaN"),
         ],
     )
