@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from command_line import CommandLine
 
+from facecrf_ocio.benchmark.chart_cameras import CHART_CAMERAS
 from facecrf_ocio.cameras.known_cameras import (
     matching,
     names_of,
@@ -45,22 +46,44 @@ def record(folder, estimator="bracket", model="One"):
 
 
 def test_those_that_ship_are_curves_with_proof():
-    assert len(shipped_cameras()) == 20
+    ways = {"bracket": "exposure stacks ", "chart": "photos of a chart "}
     for one in shipped_cameras():
         assert one.curve.linear.shape == (3, 4096)
         assert one.grade in "ABC"
         assert one.spread_stops >= 0.06
-        assert one.proof.startswith("exposure stacks ")
+        assert one.proof.startswith(ways[one.method])
+    methods = [one.method for one in shipped_cameras()]
+    assert (methods.count("bracket"), methods.count("chart")) == (20, 30)
+
+
+def test_a_model_that_ships_is_one_camera_s():
+    """Makers wrote one name for many models into the files of the first digital cameras."""
+    assert not {"CYBERSHOT", "FDMAVICA"} & {one.model.upper() for one in shipped_cameras()}
+    by_charts = [one.model for one in shipped_cameras() if one.method == "chart"]
+    assert len(set(by_charts)) == len(by_charts)
 
 
 def test_they_are_what_the_stacks_gave(development_data):
     with np.load(development_data / "crf" / "modern_stacks.npz") as stored:
         models = [str(name).removesuffix(" (exposure stacks)") for name in stored["names"]]
         truth = dict(zip(models, stored["inverse"], strict=True))
-    for one in shipped_cameras():
+    solved = [one for one in shipped_cameras() if one.method == "bracket"]
+    assert {one.model for one in solved} == set(models)
+    for one in solved:
         at = np.interp(np.linspace(0, 1, 1024), one.curve.encoded, one.curve.linear[1])
         # Between 128 codes a curve is straight; the steepest leaves its measurement by 0.006.
         assert np.abs(at - truth[one.model][1]).max() < 0.0065
+
+
+def test_they_are_what_the_charts_gave():
+    with np.load(CHART_CAMERAS) as stored:
+        named = [model for _, model in stored["exif"].tolist()]
+        curves = dict(zip(named, stored["inverse"], strict=True))
+    for one in shipped_cameras():
+        if one.method == "chart":
+            at = np.interp(np.linspace(0, 1, 256), one.curve.encoded, one.curve.linear[1])
+            # But for the last step to white, which ships half as fine.
+            assert np.abs(at - curves[one.model])[:250].max() < 0.003
 
 
 def test_a_camera_is_found_by_make_and_model():

@@ -74,7 +74,7 @@ class KnownCamera:
 
 @cache
 def shipped_cameras() -> tuple[KnownCamera, ...]:
-    """Those that ship: solved from public exposure stacks by `cameras.fit_known`."""
+    """Those that ship, from public exposure stacks and photos of charts (`cameras.fit_known`)."""
     path = Path(__file__).parent / "known.json"
     return _parsed(path, path.read_text(encoding="utf-8"))
 

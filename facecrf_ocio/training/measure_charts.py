@@ -15,7 +15,7 @@ from facecrf_ocio.joint.metadata import phone_leaning
 from facecrf_ocio.joint.prior import shipped_prior
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.response.stops import CODES, MID_CODES, mean_over
-from facecrf_ocio.values import Float, Verdict
+from facecrf_ocio.values import Camera, Float, Verdict
 
 SAMPLES = 256
 """Code values at which a curve is kept."""
@@ -32,6 +32,8 @@ class ChartCamera:
     ----------
     maker, model, kind
         By the names of its folders, and `camera_jpeg` or `phone_isp` by its photos.
+    exif
+        Make and model that its photos name; empty where they name none.
     linear
         (256,) linear light at uniform code values.
     photos
@@ -41,6 +43,7 @@ class ChartCamera:
     maker: str
     model: str
     kind: str
+    exif: tuple[str, str]
     linear: Float
     photos: int
 
@@ -71,6 +74,7 @@ def store_charts(cameras: Collection[ChartCamera], path: Path) -> None:
         names=np.array([f"{one.maker} {one.model}" for one in cameras]),
         maker=np.array([one.maker for one in cameras]),
         kind=np.array([one.kind for one in cameras]),
+        exif=np.array([one.exif for one in cameras]),
         photos=np.array([one.photos for one in cameras]),
     )
 
@@ -78,7 +82,7 @@ def store_charts(cameras: Collection[ChartCamera], path: Path) -> None:
 def _measured(place: Path, maker: str, model: str) -> ChartCamera | None:
     paths = sorted(path for path in place.rglob("*") if path.suffix.lower() in _JPEGS)
     # Not by the prior that these curves are to widen.
-    curves, phone, prior = [], 0.0, fitted_prior(shipped_prior())
+    curves, prior, named = [], fitted_prior(shipped_prior()), Camera()
     for path in paths:
         try:
             photo = read_photo(path)
@@ -89,7 +93,7 @@ def _measured(place: Path, maker: str, model: str) -> ChartCamera | None:
         if estimate.found is not None and told is not None and told.verdict is Verdict.RELIABLE:
             at = np.interp(CODES / CODES[-1], estimate.found.encoded, estimate.found.linear[1])
             curves.append(at)
-            phone = phone_leaning(photo.camera)
+            named = photo.camera
         if len(curves) == _MOST_PHOTOS:
             break
     if not curves:
@@ -102,5 +106,5 @@ def _measured(place: Path, maker: str, model: str) -> ChartCamera | None:
     agreeing = np.array(curves)[np.array(away) <= _MOST_APART]
     linear = np.sqrt(agreeing).mean(axis=0) ** 2
     linear[0], linear[-1] = 0.0, 1.0
-    kind = "phone_isp" if phone > 0.0 else "camera_jpeg"
-    return ChartCamera(maker, model, kind, linear, len(agreeing))
+    kind = "phone_isp" if phone_leaning(named) > 0.0 else "camera_jpeg"
+    return ChartCamera(maker, model, kind, (named.make, named.model), linear, len(agreeing))
