@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from command_line import CommandLine
 from hypothesis import settings
+
+from facecrf_ocio.benchmark.chart_cameras import chart_cameras
 
 # How long an example takes says what else the machine does; speed is the benchmarks' matter.
 settings.register_profile("untimed", deadline=None)
@@ -35,3 +38,14 @@ def held_out_weights(monkeypatch: pytest.MonkeyPatch) -> None:
     """Those of the checkout: the package may be one that is installed, which has none."""
     checkout = Path(__file__).parents[1] / "examples" / "results" / "held_out_joint.npz"
     monkeypatch.setattr("facecrf_ocio.benchmark.joint_folds.HELD_OUT", checkout)
+
+
+@pytest.fixture
+def chart_curves(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """The file of cameras measured by charts, of the checkout as well."""
+    checkout = Path(__file__).parents[1] / "examples" / "results" / "chart_cameras.npz"
+    monkeypatch.setattr("facecrf_ocio.benchmark.chart_cameras.CHART_CAMERAS", checkout)
+    monkeypatch.setattr("facecrf_ocio.benchmark.joint_folds.CHART_CAMERAS", checkout)
+    chart_cameras.cache_clear()
+    yield checkout
+    chart_cameras.cache_clear()

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from command_line import CommandLine
 
-from facecrf_ocio.benchmark.chart_cameras import CHART_CAMERAS
 from facecrf_ocio.cameras.known_cameras import (
     matching,
     names_of,
@@ -75,8 +74,8 @@ def test_they_are_what_the_stacks_gave(development_data):
         assert np.abs(at - truth[one.model][1]).max() < 0.0065
 
 
-def test_they_are_what_the_charts_gave():
-    with np.load(CHART_CAMERAS) as stored:
+def test_they_are_what_the_charts_gave(chart_curves):
+    with np.load(chart_curves) as stored:
         named = [model for _, model in stored["exif"].tolist()]
         curves = dict(zip(named, stored["inverse"], strict=True))
     for one in shipped_cameras():

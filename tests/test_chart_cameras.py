@@ -7,11 +7,7 @@ import pytest
 from click.testing import CliRunner
 from PIL import Image
 
-from facecrf_ocio.benchmark.chart_cameras import (
-    CHART_CAMERAS,
-    chart_cameras,
-    with_chart_cameras,
-)
+from facecrf_ocio.benchmark.chart_cameras import chart_cameras, with_chart_cameras
 from facecrf_ocio.benchmark.joint_folds import joint_model
 from facecrf_ocio.benchmark.peers.drawn_chart import lit_chart, shot
 from facecrf_ocio.benchmark.responses import read_responses
@@ -23,6 +19,7 @@ from facecrf_ocio.synthetic import gamma_curve
 from facecrf_ocio.training.__main__ import main
 
 CAMERA = FAMILIES.index("camera")
+pytestmark = pytest.mark.usefixtures("chart_curves")
 
 
 def test_the_shipped_prior_has_their_component():
@@ -61,8 +58,8 @@ def test_a_maker_is_held_out_however_its_name_is_written():
     assert np.allclose(with_chart_cameras(prior, ["Nobody"]).means, prior.means, atol=1e-6)
 
 
-def test_the_bench_judges_them_by_weights_without_their_makers():
-    responses = read_responses(CHART_CAMERAS)
+def test_the_bench_judges_them_by_weights_without_their_makers(chart_curves):
+    responses = read_responses(chart_curves)
     for fold in range(5):
         model = joint_model(responses, fold)
         assert not np.allclose(model.prior.means[-1], shipped_joint().prior.means[-1], atol=1e-4)

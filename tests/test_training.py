@@ -308,6 +308,7 @@ def test_weights_are_stored_in_bytes_and_read_to_half_a_step(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("chart_curves")
 def test_all_weights_can_be_made_again_from_the_data(development_data, tmp_path):
     """Few photos and one pass: what comes out is of no use, but is all there and can be asked."""
     pytest.importorskip("torch", reason="needs the extra train")
