@@ -312,7 +312,7 @@ def test_weights_are_stored_in_bytes_and_read_to_half_a_step(tmp_path):
 def test_all_weights_can_be_made_again_from_the_data(development_data, tmp_path):
     """Few photos and one pass: what comes out is of no use, but is all there and can be asked."""
     pytest.importorskip("torch", reason="needs the extra train")
-    few = ["--parts", "1", "--epochs", "1", "--members", "1", "--band-photos", "4"]
+    few = ["--parts", "2", "--epochs", "1", "--members", "1", "--band-photos", "4"]
     made, held_out = tmp_path / "joint.npz", tmp_path / "held_out.npz"
     told = CliRunner().invoke(
         main,
@@ -325,7 +325,7 @@ def test_all_weights_can_be_made_again_from_the_data(development_data, tmp_path)
     assert "4 photos: 90 % of all codes within" in told.output
     with np.load(made) as stored:
         made_by = json.loads(str(stored["made_by"]))
-    assert (made_by["parts"], made_by["epochs"], made_by["members"]) == (1, 1, 1)
+    assert (made_by["parts"], made_by["epochs"], made_by["members"]) == (2, 1, 1)
     assert set(made_by["data_sha256"]) >= {"dorf_201_curves.mat", "heads", "scenes"}
     assert made_by["band_measured"].endswith("--photos 4 --seed 2")
     evidence = gather(Photo(grace_hopper(), bit_depth=8), networks=load_joint(made).networks)
