@@ -2,11 +2,10 @@
 
 The shipped weights were trained with three files of responses, and their prior has a component of a
 fourth, of cameras measured by charts, which is made anew without a fold of their makers. Beside the
-package, a checkout has
-weights that were trained without each of five folds of DoRF's rows, with their guard, and without
-each of five folds of makers, of published digital responses and of those that were solved from
-exposure stacks; a maker is left out of both. Responses of other files are strangers to the shipped
-weights anyhow.
+package, a checkout has weights that were trained without each of five folds of DoRF's rows, with
+their guard, and without each of five folds of makers, of published digital responses and of those
+that were solved from exposure stacks; a maker is left out of both. Responses of other files are
+strangers to the shipped weights anyhow.
 """
 
 from __future__ import annotations

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
 from facecrf_ocio.cameras.known_cameras import POINTS, KnownCamera
 from facecrf_ocio.errors import LutError
@@ -55,6 +56,11 @@ def rounded(rows: Iterable[Float]) -> tuple[tuple[float, ...], ...]:
 
 def spread_stops(curve: InverseCRF, told: Confidence) -> float:
     """[stop] of green, over codes 32 to 235."""
-    inside = (curve.encoded >= 32 / 255) & (curve.encoded <= 235 / 255)
+    inside = spread_codes(curve.encoded)
     relative: Float = told.sigma[1, inside] / np.maximum(curve.linear[1, inside], 1e-6)
     return float(f"{np.sqrt((relative**2).mean()) / np.log(2.0):.3g}")
+
+
+def spread_codes(encoded: Float) -> npt.NDArray[np.bool_]:
+    """Which encoded values a registry tells a spread of: codes 32 to 235."""
+    return np.asarray((encoded >= 32 / 255) & (encoded <= 235 / 255))

@@ -17,7 +17,7 @@ from facecrf_ocio.cameras.known_cameras import KnownCamera, names_of
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.pair.calibrate_pair import calibrate_pair
 from facecrf_ocio.photo.camera_picture import camera_picture
-from facecrf_ocio.record.measured import entry, rounded
+from facecrf_ocio.record.measured import entry, rounded, spread_codes
 from facecrf_ocio.values import Camera, Float
 
 MOST_FILES = 8
@@ -27,7 +27,6 @@ _PROOF = "raw files by the pictures inside: "
 _AGREEING = 3  # files that agree make grade A
 _APART = 0.15  # [stop] that they may lie apart for that
 _LEAST = 0.06  # [stop] that is told of the surest, as of those that ship
-_CODES = (32 / 255, 235 / 255)  # encoded values over which a registry tells a spread
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +125,6 @@ def _together(entries: Sequence[KnownCamera]) -> KnownCamera:
 
 def _scatter(each: Float, mean: Float) -> float:
     """[stop] Root mean square distance of curves (N, L) from their mean, where codes are seen."""
-    at = np.linspace(0.0, 1.0, mean.size)
-    seen = (at >= _CODES[0]) & (at <= _CODES[1])
+    seen = spread_codes(np.linspace(0.0, 1.0, mean.size))
     away = np.log2(each[:, seen] / mean[seen])
     return float(np.sqrt((away**2).mean() * len(each) / (len(each) - 1)))

@@ -106,8 +106,9 @@ def charts_command(folder: Path, without: tuple[str, ...], output: Path) -> None
 @click.argument("weights", nargs=-1, required=True, type=_FILE)
 def cameras_command(data: Path, weights: tuple[Path, ...]) -> None:
     """Give the prior of WEIGHTS, packed or not, its component of cameras measured by charts."""
+    held_out = _makers_left_out(Data(data))
     for path in weights:
-        with_cameras(path, _makers_left_out(Data(data)))
+        with_cameras(path, held_out)
 
 
 def _makers_left_out(data: Data) -> dict[str, tuple[str, ...]]:
@@ -189,8 +190,9 @@ def reproduce_command(
             alone = replace(training, members=HELD_OUT_MEMBERS)
             fit_joint(made[name], kept, alone, name, told)
     pack(held_out, made)
+    makers = _makers_left_out(source)
     for path in (output, held_out):
-        with_cameras(path, _makers_left_out(source))
+        with_cameras(path, makers)
     _measure_and_set(source, held_out, choices["band_photos"], BAND_SEED, (output, held_out))
 
 

@@ -17,8 +17,6 @@ from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.response.stops import CODES, MID_CODES, mean_over
 from facecrf_ocio.values import Camera, Float, Verdict
 
-SAMPLES = 256
-"""Code values at which a curve is kept."""
 _MOST_PHOTOS = 4  # of a folder: more of the same chart say the same
 _MOST_APART = 0.05  # [stop] of a camera's photos from their median, or it has several curves
 _JPEGS = (".jpg", ".jpeg")
