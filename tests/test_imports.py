@@ -34,6 +34,7 @@ LAYERS = (
     ("archive", "benchmark", "clip"),
     ("training",),
     ("cli",),
+    ("__main__",),
 )
 RANK = {unit: rank for rank, layer in enumerate(LAYERS) for unit in layer}
 
@@ -79,7 +80,7 @@ def modules():
 
 
 def test_the_root_holds_few_modules():
-    at_root = [p.name for p in modules() if len(p.parts) == 1 and p.name != "__init__.py"]
+    at_root = {p.name for p in modules() if len(p.parts) == 1} - {"__init__.py", "__main__.py"}
     assert len(at_root) <= 8, at_root
 
 
@@ -184,6 +185,12 @@ def test_help_brings_no_heavy_library():
     modules = set(result.stdout.rpartition("modules ")[2].split())
     assert "facecrf_ocio" in modules
     assert not HEAVY & modules
+
+
+def test_the_command_runs_as_a_module():
+    command = [sys.executable, "-m", "facecrf_ocio", "--version"]
+    told = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert told == f"facecrf, version {facecrf_ocio.__version__}\n"
 
 
 def test_a_calibration_brings_what_it_needs_alone(tmp_path):
