@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import OpenImageIO as oiio  # noqa: N813
+
 from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.files.plain_text import complaint
 from facecrf_ocio.photo.containers.integrity import check_file, photo_sha256
 from facecrf_ocio.photo.decoding.picture import MENDED, open_image
 from facecrf_ocio.photo.decoding.raw import picture_in_raw
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.photo.tags.header import camera_of
-from facecrf_ocio.values import Photo
+from facecrf_ocio.values import Camera, Photo
 
 _AS_WELL = "give the camera's JPEG of the same exposure as well"
 # Converters put a picture of their own into the DNG that they write.
@@ -44,6 +49,35 @@ def camera_picture(path: str | Path) -> Photo:
         If the file is no camera raw, is damaged, holds no picture, or one that a converter made.
     """
     path = Path(path)
+    with _copied(path) as copy:
+        try:
+            photo = read_photo(copy)
+        except PhotoError as error:
+            problem = f"holds a picture by the camera that {error.problem}"
+            raise PhotoError(path, problem, _AS_WELL) from error
+    return replace(photo, camera=_signed(photo.camera), path=path, sha256=photo_sha256(path))
+
+
+def camera_in_raw(path: str | Path) -> Camera:
+    """Read the name of the camera as its picture in a raw file tells it, without decoding that.
+
+    Raises
+    ------
+    PhotoError
+        As `camera_picture` does, but for a picture of which only pixels are damaged.
+    """
+    path = Path(path)
+    with _copied(path) as copy:
+        header = open_image(copy)
+        if header is None:
+            complaint(oiio.geterror)
+            raise PhotoError(path, "holds a picture by the camera that cannot be read", _AS_WELL)
+        return _signed(camera_of(header.spec()))
+
+
+@contextmanager
+def _copied(path: Path) -> Iterator[Path]:
+    """The picture in a raw file, copied to a file of its own for as long as it is read."""
     check_file(path)
     header = open_image(path)
     software = "" if header is None else camera_of(header.spec()).software
@@ -56,12 +90,9 @@ def camera_picture(path: str | Path) -> Photo:
     with TemporaryDirectory(prefix="facecrf-") as folder:
         copy = Path(folder) / MENDED
         copy.write_bytes(stored)
-        try:
-            photo = read_photo(copy)
-        except PhotoError as error:
-            problem = f"holds a picture by the camera that {error.problem}"
-            raise PhotoError(path, problem, _AS_WELL) from error
-    camera = photo.camera
-    if camera.software.startswith(_LIBRAW):
-        camera = replace(camera, software="")
-    return replace(photo, camera=camera, path=path, sha256=photo_sha256(path))
+        yield copy
+
+
+def _signed(camera: Camera) -> Camera:
+    """A camera as the picture tells it, without what LibRaw signs."""
+    return replace(camera, software="") if camera.software.startswith(_LIBRAW) else camera

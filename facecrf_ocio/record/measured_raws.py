@@ -16,7 +16,7 @@ import numpy as np
 from facecrf_ocio.cameras.known_cameras import KnownCamera, names_of
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.pair.calibrate_pair import calibrate_pair
-from facecrf_ocio.photo.camera_picture import camera_picture
+from facecrf_ocio.photo.camera_picture import camera_in_raw, camera_picture
 from facecrf_ocio.record.measured import entry, rounded, spread_codes
 from facecrf_ocio.values import Camera, Float
 
@@ -62,7 +62,7 @@ def measure_raws(
     for number, path in enumerate(paths):
         progress(f"looking into {path}", number, len(paths))
         try:
-            camera = camera_picture(path).camera
+            camera = camera_in_raw(path)
             if not camera.model:
                 raise PhotoError(path, "does not name its camera", "give a file with EXIF")
             models.setdefault(names_of(camera.make, camera.model), []).append((path, camera))
