@@ -636,3 +636,14 @@ class TestRadiance:
         path.write_bytes(path.read_bytes().replace(b"rle_rgbe", b"rle_xyze"))
         with pytest.raises(PhotoError, match=r"CIE XYZ.* ra_xyze"):
             read_photo(path)
+
+    def test_old_runs_are_told_from_damage(self, tmp_path: Path) -> None:
+        head = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 12 +X 16\n"
+        row = b"\x80\x40\x20\x80" + b"\1\1\1\x0f"  # a pixel, and that it comes 15 times more
+        old, cut = tmp_path / "old.hdr", tmp_path / "cut.hdr"
+        old.write_bytes(head + 12 * row)
+        cut.write_bytes(head + 100 * row[:4])
+        with pytest.raises(PhotoError, match=r"old run-length coding.* ra_xyze"):
+            read_photo(old)
+        with pytest.raises(PhotoError, match="cut short or damaged"):
+            read_photo(cut)

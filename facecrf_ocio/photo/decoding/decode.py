@@ -17,6 +17,7 @@ from facecrf_ocio.photo.containers.integrity import COPY_AGAIN
 from facecrf_ocio.photo.decoding.picture import MENDED, Picture
 from facecrf_ocio.photo.raster.pixels import Pixels, code_values, filled
 from facecrf_ocio.photo.tags.header import PHOTOMETRIC
+from facecrf_ocio.photo.tags.radiance import has_old_runs
 
 _BAND_ROWS = 32  # [px] read at once: what a processor keeps near, half a MB of 6000 px of width
 _WHITE_IS_ZERO = 0  # TIFF 6.0
@@ -25,6 +26,7 @@ _UNKNOWN_COMPRESSION = re.compile(r"compression support is not configured|decodi
 _COMPRESS = "save it with LZW or Deflate compression"
 # As libjpeg-turbo says it of whole files of kinds that it does not know, 12 bits above all.
 _UNKNOWN_JPEG = re.compile(r"JPEG error: (Unsupported|Sorry|.*not supported)")
+_RECODE = "write it anew with Radiance: ra_xyze -r OLD.hdr NEW.hdr"
 _ORDINARY = "convert it to a JPEG of 8 bits, to PNG or TIFF"
 
 
@@ -98,6 +100,8 @@ def _require_pixels(path: Path, source: Any, codes: Any) -> Pixels:
         raise PhotoError(path, f"is compressed as cannot be undone here ({problem})", _COMPRESS)
     if _UNKNOWN_JPEG.match(problem):
         raise PhotoError(path, f"is a kind of JPEG that is not read here ({problem})", _ORDINARY)
+    if problem and source.format_name() == "hdr" and has_old_runs(path.read_bytes()):
+        raise PhotoError(path, "has Radiance's old run-length coding, which is not read", _RECODE)
     if problem or codes is None or codes.size == 0:
         raise PhotoError(path, f"is cut short or damaged ({problem or 'no pixels'})", COPY_AGAIN)
     return np.asarray(codes)

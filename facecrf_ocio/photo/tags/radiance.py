@@ -1,4 +1,4 @@
-"""What the header of a Radiance picture tells of its numbers (G. Ward, Radiance File Formats).
+"""What a Radiance picture tells of its numbers and their coding (G. Ward, Radiance File Formats).
 
 OpenImageIO passes on neither primaries nor corrections of color, and of exposures the last one.
 """
@@ -8,8 +8,11 @@ from __future__ import annotations
 import math
 import re
 
+import numpy as np
+
 _MOST = 1 << 16  # [byte] of a header, which a blank line ends
 _LINE = re.compile(rb"^(PRIMARIES|EXPOSURE|COLORCORR|GAMMA)=(.*)$", re.MULTILINE)
+_SIZES = re.compile(rb"\n\n[-+][XY] +\d+ +[-+][XY] +\d+\n")  # the line that pixels follow
 # Numbers in a line of each.
 _COUNTS = {b"PRIMARIES": 8, b"EXPOSURE": 1, b"COLORCORR": 3, b"GAMMA": 1}
 _SAME = 1e-3  # of a factor that is 1, as programs round it
@@ -34,6 +37,19 @@ def radiance_notes(content: bytes) -> tuple[str, ...]:
     if gammas and abs(gammas[-1] - 1) > _SAME:
         notes.append(f"its header says GAMMA={gammas[-1]:.4g}: its numbers were taken for light")
     return tuple(notes)
+
+
+def has_old_runs(content: bytes) -> bool:
+    """Whether equal pixels are coded by a count of repetitions: as in Radiance before 1991.
+
+    Each pixel is four bytes, and a count is one whose three colors are 1, which no light gives: one
+    color of each pixel is at least 128. The newer coding begins each row by two bytes of 2.
+    """
+    pixels = _SIZES.split(content, maxsplit=1)[-1] if content.startswith(b"#?") else b""
+    if pixels.startswith(b"\2\2"):
+        return False
+    units = np.frombuffer(pixels[: len(pixels) // 4 * 4], np.uint8).reshape(-1, 4)
+    return bool((units[:, :3] == 1).all(axis=1).any())
 
 
 def _told(content: bytes, name: bytes) -> list[tuple[float, ...]]:
