@@ -447,7 +447,13 @@ BRACKET = {
     "rmse": 0.021,
     "curve": CURVE,
 }
-MERGE = {"name": "film.jpg", "state": "done", "outcome": "merged", "file": "film.jpg.hdr.exr"}
+MERGE = {
+    "name": "film.jpg",
+    "state": "done",
+    "outcome": "merged",
+    "reason": "three exposures; light was cut",
+    "file": "film.jpg.hdr.exr",
+}
 
 
 def pool(output: Path) -> None:
@@ -468,7 +474,7 @@ def test_cameras_misfits_brackets_and_duplicates_are_told(archive):
     (group,), (bracket,) = page.data["groups"], page.data["brackets"]
     assert (group["members"], group["misfits"], group["verdict"]) == (2, 1, "weak")
     assert (bracket["photos"], bracket["stops"], bracket["rmse"]) == (3, 4.0, 2.1)
-    assert bracket["merged"] == "film.jpg.hdr.exr"
+    assert (bracket["merged"], bracket["mergeReason"]) == ("film.jpg.hdr.exr", MERGE["reason"])
     text = json.loads(page.texts["curves"])[group["curve"]]
     linear = np.frombuffer(base64.b64decode(text), "<u2").reshape(4, -1)[0] / 65535
     assert linear[linear.size // 2] == pytest.approx(0.2, abs=1e-5)

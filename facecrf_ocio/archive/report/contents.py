@@ -75,7 +75,11 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class Bracket:
-    """A series of exposures of one scene; `curve` is the manifest's JSON, `merged` a file."""
+    """A series of exposures of one scene.
+
+    `curve` is the manifest's JSON; `merged` a file, and `merge_reason` what is told of it, or why
+    there is none.
+    """
 
     name: str
     photos: int
@@ -86,6 +90,7 @@ class Bracket:
     rmse: float
     curve: str
     merged: str = ""
+    merge_reason: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +129,10 @@ def read_archive(folder: Path) -> Archive:
         told = manifest.about("source")
         rows = tuple(sorted(map(_row, manifest.photos()), key=lambda row: in_order(row.name)))
         groups = tuple(map(_group, manifest.cameras()))
-        merged = {fields.name("name"): fields.name("file") for fields in manifest.merges()}
+        merged = {
+            fields.name("name"): (fields.name("file"), fields.text("reason"))
+            for fields in manifest.merges()
+        }
         found = (_bracket(fields, merged) for fields in manifest.brackets())
         brackets = tuple(sorted(found, key=lambda bracket: in_order(bracket.name)))
     source = None if told is None else Path(told)
@@ -205,7 +213,8 @@ def _group(fields: Fields) -> Group:
     )
 
 
-def _bracket(fields: Fields, merged: Mapping[str, str]) -> Bracket:
+def _bracket(fields: Fields, merged: Mapping[str, tuple[str, str]]) -> Bracket:
+    file, reason = merged.get(fields.name("name"), ("", ""))
     return Bracket(
         name=fields.name("name"),
         photos=fields.whole("photos"),
@@ -215,5 +224,6 @@ def _bracket(fields: Fields, merged: Mapping[str, str]) -> Bracket:
         residual=fields.number("residual"),
         rmse=fields.number("rmse"),
         curve=fields.text("curve"),
-        merged=merged.get(fields.name("name"), ""),
+        merged=file,
+        merge_reason=reason,
     )

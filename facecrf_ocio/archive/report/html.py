@@ -228,6 +228,7 @@ def _bracket(bracket: Bracket, curves: CurveList) -> dict[str, object]:
         "used": bracket.used,
         "reason": bracket.reason,
         "merged": bracket.merged,
+        "mergeReason": bracket.merge_reason,
         "rmse": round(100.0 * bracket.rmse, 1) if bracket.rmse >= 0 else -1,
         "curve": curves.place(curve),
         "band": -1 if curve is None else curve.band,

@@ -36,6 +36,7 @@ function drawBrackets() {
             "td",
             {},
             each.merged ? link(DATA.links[1], each.merged, "EXR") : el("span", {class: "dim"}, "–"),
+            each.mergeReason ? el("div", {class: "reason"}, visible(each.mergeReason)) : null,
           ),
           el("td", {class: "reason"}, visible(each.reason)),
           el(
