@@ -80,3 +80,12 @@ def test_prose_is_broken_at_120_columns(page):
     lines = page.read_text(encoding="utf-8").splitlines()
     prose = [line for line in lines if not line.lstrip().startswith(("|", "!["))]
     assert [line for line in prose if len(line) > 120] == []
+
+
+def test_the_page_of_results_begins_with_the_findings():
+    findings = (ROOT / "examples" / "results" / "findings.md").read_text(encoding="utf-8")
+    results = (ROOT / "examples" / "RESULTS.md").read_text(encoding="utf-8")
+    assert results.startswith(f"# Results\n\n{findings.strip()}\n\n## ")
+    named = re.findall(r"`(docs/[\w./-]+)`", findings)
+    assert named
+    assert [name for name in named if not (ROOT / name).exists()] == []
