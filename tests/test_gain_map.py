@@ -52,9 +52,9 @@ def of_libultrahdr(path: Path) -> np.ndarray:
 
 
 def error_of(path: Path) -> np.ndarray:
-    """Relative error, below 2 % of white against that, where half floats and tables end."""
+    """Relative error, below 0.02 % of white against that, where half floats end."""
     expected = of_libultrahdr(path)
-    return np.abs(rendition(read_photo(path)) - expected) / np.maximum(expected, 0.02)
+    return np.abs(rendition(read_photo(path)) - expected) / np.maximum(expected, 2e-4)
 
 
 @pytest.mark.parametrize(
@@ -63,6 +63,20 @@ def error_of(path: Path) -> np.ndarray:
 @pytest.mark.parametrize("coarser", [1, 2, 4])
 def test_the_rendition_is_that_of_libultrahdr(tmp_path: Path, numbers: bytes, coarser: int) -> None:
     path = write(tmp_path / "a.jpg", numbers, VALUES[::coarser, ::coarser].copy())
+    assert error_of(path).max() < 0.01
+
+
+@pytest.mark.parametrize("coarser", [1, 2, 3, 4])
+@pytest.mark.parametrize("channels", [1, 3])
+def test_offsets_that_leave_little_light(tmp_path: Path, coarser: int, channels: int) -> None:
+    """A program's numbers: of dark places nearly all light is taken off again."""
+    numbers = [(0.03, 3.5, 0.34, 0.2256, 0.2256), (0.0, 3.1, 0.36, 0.2256, 0.2256)]
+    values = np.stack([VALUES, VALUES[::-1], VALUES.T.repeat(2, axis=1)[:96, :128]], axis=2)
+    values = values if channels == 3 else VALUES
+    dark = np.minimum(BASE, np.hypot(X - 64, Y - 48)[..., None]).astype(np.uint8)
+    said = iso_numbers([numbers[0]] * channels if channels == 1 else [*numbers, numbers[0]])
+    path = write(tmp_path / "a.jpg", said, values[::coarser, ::coarser].copy(), dark)
+    assert rendition(read_photo(path)).min() < 0.005
     assert error_of(path).max() < 0.01
 
 
@@ -91,6 +105,11 @@ def test_sizes_that_are_no_multiple_of_the_map(tmp_path: Path, size: tuple[int, 
     base = BASE[: size[0], : size[1]].copy()
     values = cv2.resize(VALUES, (size[1] // 4, size[0] // 4), interpolation=cv2.INTER_AREA)
     assert error_of(write(tmp_path / "a.jpg", XMP, values, base)).max() < 0.01
+
+
+def test_a_map_that_ends_a_row_early(tmp_path: Path) -> None:
+    base, values = np.tile(BASE, (3, 2, 1))[:193], np.tile(VALUES, (2, 2))[::4, ::4]
+    assert error_of(write(tmp_path / "a.jpg", XMP, values.copy(), base)).max() < 0.01
 
 
 @pytest.mark.parametrize(
@@ -314,6 +333,5 @@ def test_real_gain_maps(development_data: Path) -> None:
             continue
         expected = image.read_scanlines(0, 0, 0, 512, 0, 0, 3, oiio.FLOAT)
         rows = hdr_rows(exact_base(photo, photo.gain_map), photo.gain_map, 0, 512)
-        error = np.abs(rows - expected.reshape(rows.shape)) / np.maximum(rows, 0.02)
-        assert error.max() < 0.015, path.name
-        assert np.mean(error < 0.01) > 0.999, path.name
+        error = np.abs(rows - expected.reshape(rows.shape)) / np.maximum(rows, 2e-4)
+        assert np.mean(error < 0.01) > 0.9999, path.name
