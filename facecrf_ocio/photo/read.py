@@ -32,7 +32,8 @@ from facecrf_ocio.photo.decoding.decode import (
 )
 from facecrf_ocio.photo.decoding.gain_map import jpeg_gain_map
 from facecrf_ocio.photo.decoding.heif import read_heif
-from facecrf_ocio.photo.decoding.orientation import orientation_of, upright
+from facecrf_ocio.photo.decoding.left_over import tail_of, units_left_over
+from facecrf_ocio.photo.decoding.orientation import as_stored, orientation_of, upright
 from facecrf_ocio.photo.decoding.picture import (
     FIRST_OF_SEVERAL,
     PhotoFile,
@@ -160,8 +161,12 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
     profile_noted = profile_notes(icc, gray=len(channels) == 1) if icc else _profile_lost(file)
     moving = (FIRST_OF_SEVERAL,) if is_animated(file.content) else ()
     scaled = radiance_notes(file.content)
+    tail = None if file.jpeg is None else tail_of(file.jpeg)
     file.forget()
     pixels, alpha = _decoded(path, picture, channels, turn, bits)
+    if tail is not None and units_left_over(tail, as_stored(pixels, turn)):
+        problem = "is damaged within its pixels (blocks are left over when the picture is full)"
+        raise PhotoError(path, problem, COPY_AGAIN)
     alpha, unseen = shown(alpha)
     if alpha is not None and is_premultiplied(spec, file_format):
         pixels = unpremultiplied(pixels, alpha)

@@ -21,6 +21,16 @@ _UPRIGHT: dict[int, Callable[[Any], Any]] = {
     7: lambda image: cv2.rotate(cv2.transpose(image), cv2.ROTATE_180),
     8: lambda image: cv2.rotate(image, cv2.ROTATE_90_COUNTERCLOCKWISE),
 }
+# The same turned back (tag 0x0112 again), as views: a look at some rows copies nothing.
+_STORED: dict[int, Callable[[Pixels], Pixels]] = {
+    2: np.fliplr,
+    3: lambda image: np.rot90(image, 2),
+    4: np.flipud,
+    5: lambda image: np.swapaxes(image, 0, 1),
+    6: np.rot90,
+    7: lambda image: np.swapaxes(np.rot90(image, 2), 0, 1),
+    8: lambda image: np.rot90(image, -1),
+}
 # As XMP spells them; of any other text, thousands of digits among them, none is a number here.
 _XMP = {str(orientation): orientation for orientation in range(1, 9)}
 
@@ -29,6 +39,12 @@ def upright(image: Pixels, orientation: int) -> Pixels:
     """Apply an EXIF orientation, 1 to 8, to (H, W) or (H, W, 3); other numbers change nothing."""
     turn = _UPRIGHT.get(orientation)
     return image if turn is None else np.asarray(turn(np.ascontiguousarray(image)))
+
+
+def as_stored(image: Pixels, orientation: int) -> Pixels:
+    """A view of an upright picture as its file holds it: what `upright` did, undone."""
+    back = _STORED.get(orientation)
+    return image if back is None else back(image)
 
 
 def orientation_of(spec: Any, xmp: str) -> int:
