@@ -20,7 +20,7 @@ from PIL import Image
 from facecrf_ocio import read_photo
 from facecrf_ocio.errors import PhotoError
 
-UNREADABLE, NOTHING = 3, 4
+USAGE, UNREADABLE, NOTHING = 2, 3, 4
 
 
 def cut_short(path: Path) -> None:
@@ -255,13 +255,38 @@ def test_what_is_no_image_is_told_without_the_question_that_the_library_asks(tmp
         read_photo(tmp_path / "a.jpg")
     assert "?" not in str(told.value)
     (tmp_path / "a.md").write_text("no picture", encoding="ascii")
-    with pytest.raises(PhotoError, match=r"could not find a format reader for it\); if it should"):
+    with pytest.raises(PhotoError, match=r"could not find a format reader\); if it should"):
         read_photo(tmp_path / "a.md")
+
+
+def test_a_picture_that_ends_in_its_header_is_told_as_one(tmp_path):
+    whole = cv2.imencode(".jpg", np.zeros((24, 32, 3), np.uint8))[1].tobytes()
+    (tmp_path / "a.jpg").write_bytes(whole[:100])
+    with pytest.raises(PhotoError, match=r"begins as JPEG, but .*end of JPEG file\); copy"):
+        read_photo(tmp_path / "a.jpg")
+
+
+def test_a_pattern_that_no_file_matches(tmp_path):
+    with pytest.raises(PhotoError, match=r"\*\.cr2: matches no file; check the folder"):
+        read_photo(tmp_path / "*.cr2")
+
+
+@pytest.mark.parametrize(("made", "command"), [(Path.touch, "calibrate"), (Path.mkdir, "batch")])
+def test_a_photo_or_a_folder_in_the_place_of_a_command(facecrf, tmp_path, made, command):
+    made(tmp_path / "a b.jpg")
+    ended = facecrf(tmp_path / "a b.jpg")
+    assert ended.code == USAGE
+    assert f"to calibrate it: facecrf {command} '{tmp_path}/a b.jpg' -o luts" in ended.err
 
 
 @pytest.mark.skipif(os.name == "nt", reason="links need a right there, and names end earlier")
 class TestPathsThatNoFileHas:
     """Each command tells them in one line, as what they are."""
+
+    def test_a_link_that_leads_nowhere(self, tmp_path: Path) -> None:
+        (tmp_path / "a.jpg").symlink_to("gone.jpg")
+        with pytest.raises(PhotoError, match="is a link to a file that does not exist"):
+            read_photo(tmp_path / "a.jpg")
 
     @pytest.mark.parametrize("command", ["batch", "verify", "report", "ocio-config", "lint"])
     def test_links_in_a_circle(self, facecrf: CommandLine, tmp_path: Path, command: str) -> None:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import shlex
 from collections.abc import Iterable, Iterator, MutableMapping
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import click
@@ -100,6 +103,17 @@ class Sections(click.Group):
         """Write them."""
         for heading, names in SECTIONS.items():
             _list(heading, names, self, formatter)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command that was asked for; of a photo or a folder in its place tell one."""
+        given = args[0]
+        if given not in self.commands and os.path.lexists(given):
+            command = "batch" if Path(given).is_dir() else "calibrate"
+            told = f"facecrf {command} {shlex.quote(given)} -o luts"
+            ctx.fail(f"{given!r} is no command; to calibrate it: {told}")
+        return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command that was asked for, until Ctrl-C, also while it is being imported."""

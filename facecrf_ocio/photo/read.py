@@ -17,7 +17,7 @@ from facecrf_ocio.files.threads import OtherThread
 from facecrf_ocio.photo.containers.integrity import COPY_AGAIN, check_file, check_size, photo_sha256
 from facecrf_ocio.photo.containers.no_photo import no_photo
 from facecrf_ocio.photo.containers.png_chunks import has_void_gamma, is_animated, profile_told
-from facecrf_ocio.photo.containers.suffixes import HEIF
+from facecrf_ocio.photo.containers.suffixes import HEIF, kind_of
 from facecrf_ocio.photo.decoding.channels import (
     alpha_channel,
     color_channels,
@@ -110,15 +110,23 @@ def _read(file: PhotoFile, ask_sha256: Callable[[], str]) -> Photo:
         return _read_raw(file, ask_sha256(), "is not camera raw that LibRaw knows", _EXPORT)
     picture = open_picture(file)
     if picture is None:
-        problem = first_line(complaint(oiio.geterror), file.path)
-        problem = f"is not an image that can be read ({problem.partition('. Is it a file')[0]})"
-        told = no_photo(file.head) or (problem, _COPY_OR_CONVERT)
-        told = (problem, _AS_RGB) if "Subsampled channels" in problem else told
-        return _read_raw(file, ask_sha256(), *told)
+        reason = first_line(complaint(oiio.geterror), file.path).partition(". Is it a file")[0]
+        return _read_raw(file, ask_sha256(), *_unread(file, reason))
     try:
         return _read_image(file, picture, ask_sha256)
     finally:
         picture.close()
+
+
+def _unread(file: PhotoFile, reason: str) -> tuple[str, str]:
+    """What is told of a file that OpenImageIO does not open, and what to do about it."""
+    told, kind = no_photo(file.head), kind_of(file.head)
+    if told is not None:
+        return told
+    if kind is None:
+        return f"is not an image that can be read ({reason})", _COPY_OR_CONVERT
+    problem = f"begins as {kind.name}, but cannot be read ({reason})"
+    return problem, _AS_RGB if "Subsampled channels" in reason else f"{COPY_AGAIN}, or {CONVERT}"
 
 
 def _read_raw(file: PhotoFile, sha256: str, problem: str, remedy: str) -> Photo:

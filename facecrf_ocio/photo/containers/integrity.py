@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import stat
 import struct
 from collections.abc import Iterator
@@ -20,6 +21,7 @@ MAX_MEGAPIXELS = 150
 COPY_AGAIN = "copy it again from the camera or from a backup"
 
 _CRITICAL = (b"IHDR", b"PLTE", b"IDAT", b"IEND")  # PNG, third edition, 11.2
+_PATTERN = re.compile(r"[*?]|\[.+\]")  # of file names, as shells know them
 _BLOCK = 1 << 20  # [byte] hashed at once
 # BMP (Microsoft's BITMAPV4HEADER): size of the first header that may have masks, bits a pixel with
 # the ways to pack them by masks (BI_BITFIELDS, BI_ALPHABITFIELDS), and masks of bytes as usual.
@@ -64,13 +66,22 @@ def _told(path: Path) -> Iterator[None]:
     try:
         yield
     except (FileNotFoundError, NotADirectoryError):
-        raise PhotoError(path, "does not exist", "check the name and the folder") from None
+        raise PhotoError(path, *_missing(path)) from None
     except PermissionError:
         problem = "may not be read (permission denied)"
         raise PhotoError(path, problem, "give yourself permission to read it") from None
     except OSError as error:
         problem = f"cannot be read ({error.strerror})"
         raise PhotoError(path, problem, "check the name and the disk") from None
+
+
+def _missing(path: Path) -> tuple[str, str]:
+    """What is told of a path that leads to nothing, and what to do about it."""
+    if path.is_symlink():
+        return "is a link to a file that does not exist", "check what it leads to"
+    if _PATTERN.search(path.name):  # which a shell hands on where no name fits
+        return "matches no file", "check the folder and the suffix"
+    return "does not exist", "check the name and the folder"
 
 
 def _check_name(path: Path) -> None:

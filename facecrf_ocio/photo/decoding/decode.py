@@ -109,6 +109,8 @@ def _require_pixels(path: Path, source: Any, codes: Any) -> Pixels:
 
 def first_line(text: str, path: Path) -> str:
     """First line of a decoder's complaint, without the names of the file and of a mended copy."""
-    first = re.sub(r' *\("[^"]*"\)', "", text.strip().partition("\n")[0])
-    first = re.sub(rf'"(?:{re.escape(str(path))}|[^"]*/{MENDED})"', "it", first)
+    first = re.sub(
+        rf' *\((?:"[^"]*"|{re.escape(str(path))})\)', "", text.strip().partition("\n")[0]
+    )
+    first = re.sub(rf'(?: for)? *"(?:{re.escape(str(path))}|[^"]*/{MENDED})"', "", first)
     return first.strip(" .")[:160]
