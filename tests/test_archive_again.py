@@ -89,3 +89,22 @@ def test_every_new_folder_is_flushed_into_the_one_that_holds_it(tmp_path, monkey
     assert flushed == [str(tmp_path), str(tmp_path / "a"), str(tmp_path / "a" / "b")]
     folders.make_folder(tmp_path / "a" / "b")
     assert len(flushed) == 3
+
+
+def test_photos_that_failed_before_are_told_with_what_tries_them_again(facecrf, tmp_path):
+    source, output = tmp_path / "photos", tmp_path / "luts"
+    source.mkdir()
+    (source / "a.png").write_bytes(b"no picture")
+    told = "1 photo failed in an earlier run; --retry tries again"
+    how = ("batch", source, "-o", output, "--estimator", "mean", "--jobs", "1")
+    assert told not in facecrf(*how).err
+    assert told in facecrf(*how).err
+    assert told not in facecrf(*how, "--retry").err
+
+
+def test_a_folder_without_photos_is_told(facecrf, tmp_path):
+    (tmp_path / "photos").mkdir()
+    ended = batch(facecrf, tmp_path / "photos", tmp_path / "luts")
+    assert (ended.code, ended.err) == (0, "no photos found\n")
+    again = facecrf("batch", tmp_path / "photos", "-o", tmp_path / "photos")
+    assert "is the folder of the photos; write to one of its own" in again.err

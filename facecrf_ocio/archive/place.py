@@ -150,7 +150,9 @@ def source_identity(source: Path) -> tuple[int, int]:
 def require_apart(source: Path, folder: Path) -> None:
     """Raise OutputError if outputs would lie among the photos, or photos among the outputs."""
     here, there = real_path(source), real_path(folder)
-    if here == there or here in there.parents or there in here.parents:
+    if here == there:
+        raise OutputError(f"{folder}: is the folder of the photos; write to one of its own")
+    if here in there.parents or there in here.parents:
         raise OutputError(
             f"{folder}: lies inside of {source}, or around it; write to a folder of its own"
         )

@@ -27,7 +27,7 @@ class Progress:
     def __init__(self, total: int | None, passed: Passed, tell: Callable[[Event], None]) -> None:
         self.total, self.counts, self.passed = total, Counter[str](), passed
         self.tell, self.brackets = tell, Counter[str]()
-        self.done = self.fresh = self.gathered = 0
+        self.done = self.fresh = self.gathered = self.failed_before = 0
         self.begin = self.said = monotonic()
         self.bar = Bar()
 
@@ -41,6 +41,9 @@ class Progress:
         if self.done or self.gathered or kind is None:  # else the error alone says it all
             for line in (*_passed_over(self.passed), self._line()):
                 say(line, err=True)
+            if self.failed_before:
+                again = counted(self.failed_before, "photo")
+                say(f"{again} failed in an earlier run; --retry tries again", err=True)
 
     def __call__(self, event: Event) -> None:
         """Count what came of a photo, and tell it if it failed."""
@@ -54,6 +57,7 @@ class Progress:
             by = -1 if event.step == "reopened" else 1
             self.done += by
             self.fresh += event.fresh
+            self.failed_before += not event.fresh and result.outcome == "failed"
             self.counts[kind_of(result.outcome, result.verdict)] += by
         if event.fresh and result.outcome == "failed":
             self.bar.say(f"facecrf: {one_line(_failure(event))}")
@@ -64,6 +68,8 @@ class Progress:
             say(self._line(), err=True)
 
     def _line(self) -> str:
+        if self.total == 0 and not self.done:
+            return "no photos found"
         rate = self.fresh / max(monotonic() - self.begin, 1e-9)
         photos = counted(self.done if self.total is None else self.total, "photo")
         text = photos if self.total is None else f"{self.done} of {photos}"
