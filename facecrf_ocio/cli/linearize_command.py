@@ -189,7 +189,7 @@ def require_exr_free(path: Path, *, overwrite: bool) -> None:
     from facecrf_ocio.files.atomic import require_free
 
     if path.suffix.lower() != ".exr":
-        raise OutputError(f"{path}: is not named as OpenEXR; give it the suffix .exr")
+        raise OutputError(f"-o {path}: is no name of an EXR; let it end in .exr")
     require_free(path, overwrite=overwrite)
     require_writable(path.parent)  # first, since folders in a closed one cannot even be looked for
     if not path.parent.exists():

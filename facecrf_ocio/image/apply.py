@@ -174,7 +174,7 @@ def write_exr(
     if not callable(linear) and linear.shape != shape:
         raise SettingsError(f"{linear.shape} pixels do not belong to a {shape} photo")
     if path.suffix.lower() != ".exr":
-        raise OutputError(f"{path}: is not named as OpenEXR; give it the suffix .exr")
+        raise OutputError(f"{path}: is no name of an EXR; let it end in .exr")
     require_free(path, overwrite=overwrite)
     if photo.path is not None and path.exists() and path.samefile(photo.path):
         raise OutputError(f"{path}: is the photo itself; choose another name")
