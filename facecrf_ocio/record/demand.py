@@ -33,8 +33,10 @@ class Demand:
         told = confidence.in_stops
         if self.max_error is None or (told is not None and told.mid <= self.max_error):
             return ""
-        error = "not known" if told is None else f"{told.mid:.2f} stops"
-        return f"the expected error is {error}, and {self.max_error:g} was asked for"
+        least = f"the {self.max_error:g} stops asked for"
+        if told is None:
+            return f"the expected error is not known to be within {least}"
+        return f"the expected error is above {least}"
 
 
 def demand(estimate: Estimate, least: Demand) -> Estimate:
