@@ -96,7 +96,7 @@ def estimation_options(command: Callable[..., Any]) -> Callable[..., Any]:
         ),
         click.option(
             "--min-confidence",
-            type=click.Choice(VERDICTS),
+            type=click.Choice(VERDICTS, case_sensitive=False),
             default=VERDICTS[0],
             help="Write nothing where the verdict is below this (exit code 4).",
         ),
@@ -140,7 +140,7 @@ def space_option(how: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]
     return click.option(
         "--to",
         "space",
-        type=click.Choice(SPACE_NAMES),
+        type=click.Choice(SPACE_NAMES, case_sensitive=False),
         help=f"Go on to a working space by the photo's primaries; {how}.",
     )
 
