@@ -13,6 +13,9 @@ import PyOpenColorIO as ocio  # noqa: N813
 from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.lut.ocio_log import unlogged
 
+# How its log is made to tell more, which is for whoever calls it.
+_ADVICE = "(Enable debug log for errors from all formats.)"
+
 
 class RefusedError(Exception):
     """OpenColorIO cannot use a file; the text is its reason, whole, in one line."""
@@ -56,7 +59,7 @@ def _processor(path: Path, source: str, way: Any, between: Any) -> Any:
         return _raw_config().getProcessor(ocio.Context(), transform, way)
     except (ocio.Exception, UnicodeDecodeError) as error:  # its reason may quote a damaged file
         reason = plain_text(error, limit=sys.maxsize).replace(source, path.name)
-        raise RefusedError(" ".join(reason.split())) from error
+        raise RefusedError(" ".join(reason.replace(_ADVICE, "").split())) from error
     except TypeError as error:  # how its binding meets a path that is not Unicode
         raise RefusedError("it cannot read from a folder whose name is not Unicode") from error
     finally:
