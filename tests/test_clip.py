@@ -167,11 +167,11 @@ class TestBadInput:
 
     def test_one_frame(self, tmp_path):
         sequence(tmp_path, 1)
-        assert "has 1 frame(s), and is no clip" in self.told(tmp_path)
+        assert "has one frame, and is no clip" in self.told(tmp_path)
         assert "is one picture, and no clip" in self.told(tmp_path / "frame.0001.png")
 
     def test_nothing(self, tmp_path):
-        assert "has 0 frame(s)" in self.told(tmp_path / "frame.####.jpg")
+        assert "has no frames; check the folder" in self.told(tmp_path / "frame.####.jpg")
         assert "does not exist" in self.told(tmp_path / "none.mp4")
 
     def test_mixed_sizes(self, tmp_path):

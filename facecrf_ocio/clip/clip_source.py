@@ -51,10 +51,10 @@ def open_clip(given: Path) -> Clip:
         )
     else:
         raise PhotoError(given, "does not exist", "check the name")
+    if not clip.times:
+        raise PhotoError(given, "has no frames", "check the folder, the suffix and the digits")
     if len(clip.times) < 2:
-        raise PhotoError(
-            given, f"has {len(clip.times)} frame(s), and is no clip", "use facecrf calibrate"
-        )
+        raise PhotoError(given, "has one frame, and is no clip", "use facecrf calibrate")
     return clip
 
 
