@@ -12,7 +12,7 @@ from facecrf_ocio.cli.sections import Listing
 from facecrf_ocio.cli.terminal import DONE, NOTHING, complain, ending_well, one_line, say
 from facecrf_ocio.files.plain_text import counted
 
-_NAME, _METHOD = 28, 7  # columns of the longest that ships, and of `bracket`
+_METHOD = len("bracket")  # columns: the longest of them
 
 
 @click.group(cls=Listing, invoke_without_command=True)
@@ -46,9 +46,11 @@ def list_cameras(name: str) -> int:
         return complain(
             f"no camera named {name!r} was measured; facecrf cameras lists all", NOTHING
         )
-    for one, origin in found:
+    names = [called(one.make, one.model) for one, _ in found]
+    width = max(map(len, names))
+    for called_so, (one, origin) in zip(names, found, strict=True):
         say(
-            f"{called(one.make, one.model):<{_NAME}} {one.grade}  {one.spread_stops:.2f} stops  "
+            f"{called_so:<{width}} {one.grade}  {one.spread_stops:.2f} stops  "
             f"{one.method:<{_METHOD}} {origin}  {one.proof}"
         )
     return DONE
