@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import OpenImageIO as oiio  # noqa: N813
 import pytest
 from archive_photos import exposed, write_picture
 from command_line import CommandLine, write_noise
@@ -167,3 +168,18 @@ def test_stops_of_no_camera_are_wrong_usage(facecrf: CommandLine, tmp_path, give
     assert ended.code == 2
     assert ended.err.startswith("facecrf: --stops ")
     assert ended.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("command", ["bracket", "merge", "pair", "cameras measure"])
+def test_what_openimageio_said_of_a_file_is_not_left_for_its_own_words_at_exit(
+    capfd, tmp_path, command
+):
+    """It prints what nobody asked for on stdout, three lines, among JSON too."""
+    photos = [tmp_path / name for name in ("a.rw2", "b.rw2")]
+    for photo in photos:
+        photo.write_bytes(b"IIU\0" + bytes(400))
+    given = photos[: 1 if command == "pair" else 2]
+    output = () if command == "cameras measure" else ("-o", tmp_path / "out.exr")
+    ended = CommandLine(capfd)(*command.split(), *given, *output)
+    assert ended.code in {3, 4}
+    assert oiio.geterror() == ""

@@ -80,6 +80,7 @@ def _copied(path: Path) -> Iterator[Path]:
     """The picture in a raw file, copied to a file of its own for as long as it is read."""
     check_file(path)
     header = open_image(path)
+    complaint(oiio.geterror)  # or it is printed at exit, on stdout
     software = "" if header is None else camera_of(header.spec()).software
     if _CONVERTERS.search(software):
         problem = f"holds no picture by the camera, but one by {software[:60]}"
