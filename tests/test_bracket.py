@@ -49,6 +49,32 @@ def test_an_exposure_that_is_off_its_grid_is_refined():
     assert np.abs(np.delete(solved.refined - told, 2)).max() < 0.04
 
 
+def test_photos_that_show_white_alone_leave_the_others_as_they_are():
+    """They tell of no exposure. Where they stood in for all, the others shrank to nothing."""
+    truth, stops = gamma_curve(2.2), (-2.0, -1.0, 0.0, 9.5, 10.0)
+    shots = points(stops, truth)
+    assert min(shots[-1].min(), shots[-2].min()) > 249
+    solved = solve_bracket(shots, stops)
+    assert np.abs(solved.refined - stops).max() < 0.01
+    assert stops_off(solved.found, np.interp(CODES, truth.encoded, truth.linear[1])) < 0.02
+
+
+def test_photos_between_which_others_are_missing_keep_their_steps():
+    """A window in the first three, the room in the last, and glare in eight points of both."""
+    truth, stops = gamma_curve(2.2), np.array([-10.0, -9.0, -8.0, 0.0, 1.0, 2.0])
+    generator = np.random.default_rng(0)
+    window = np.arange(600) < 200
+    light = np.exp2(np.where(window, generator.uniform(2, 9, 600), generator.uniform(-8, 0, 600)))
+    seen = np.exp2(stops)[:, None, None] * light[:, None] * np.array([1.0, 0.9, 0.8])
+    shots = encode(np.clip(seen, 0.0, 1.0), truth) * 255.0
+    shots = np.rint(shots + generator.normal(0.0, 0.5, shots.shape)).clip(0, 255)
+    usable = np.where(np.arange(6)[:, None] < 3, window, ~window)
+    shots[2, -8:], usable[2, -8:] = 5.0, True
+    solved = solve_bracket(shots, stops, usable)
+    assert np.abs(solved.refined - stops).max() < 0.02
+    assert stops_off(solved.found, np.interp(CODES, truth.encoded, truth.linear[1])) < 0.02
+
+
 def test_points_that_moved_are_set_aside():
     truth, stops = gamma_curve(2.2), (-3.0, -1.5, 0.0, 1.5)
     shots = points(stops, truth)

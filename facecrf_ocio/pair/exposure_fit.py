@@ -17,6 +17,7 @@ from functools import cache
 
 import numpy as np
 from scipy.interpolate import BSpline
+from scipy.sparse.csgraph import connected_components
 
 from facecrf_ocio.response.model import dorf_model
 from facecrf_ocio.values import CHANNELS, Bool, Float, Index
@@ -31,6 +32,9 @@ _CODE_NOISE = 0.6  # [code value] of the mean of a small patch, with what JPEG d
 _FLOOR = 0.012  # [stop] what points differ by at best: flicker, shutters, rounding of JPEG's blocks
 _SHUTTER = 0.02  # [stop] standard deviation of one exposure from its place on the grid
 _EXACT = 1e4  # [1/stop] how firmly it is held that exposures are not stretched as a whole
+# Points that two photos share, from which on one tells of the other's exposure. Of a scene, a few
+# of a thousand are glare, compression or what moved, and agree on nothing.
+_LINKED = 30
 # Draws of the response model that tell how responses bend, the light below which they do not, and
 # the deviation [stop] of each bend by itself, for responses that the model never saw.
 _DRAWS, _LEAST_LIGHT, _OWN_BEND = 400, 2.0**-12, 0.02
@@ -89,11 +93,12 @@ def fit_exposures(
     start
         A fit of the same bracket, from which this one needs fewer rounds.
     """
-    values = _values(codes, usable)
-    prior, right = _prior(stops, smoothness)
+    values, linked = _values(codes, usable), _linked(usable)
     solution = np.empty(0) if start is None else start.solution
     for _ in range(_ROUNDS if start is None else _FEW_ROUNDS):
         weights = _weights(values, solution)[0] if solution.size else values.even
+        told = np.bincount(values.shot, weights.sum(axis=0), len(stops)).astype(np.float64)
+        prior, right = _prior(stops, smoothness, _held(stops, told, linked))
         centered = [
             _centered(a, w, values.first) for a, w in zip(values.rows, weights, strict=True)
         ]
@@ -109,11 +114,12 @@ class _Values:
     """All usable values, those of a point one after another.
 
     `codes` (3, V); `rows` of each channel (V, unknowns): the spline's basis there, and minus 1 for
-    the exposure; `first` (N,) place of each point's first value.
+    the exposure; `shot` (V,) which exposure; `first` (N,) place of each point's first value.
     """
 
     codes: Float
     rows: tuple[Float, ...]
+    shot: Index
     first: Index
 
     @property
@@ -129,7 +135,7 @@ def _values(codes: Float, usable: Bool) -> _Values:
     for one in chosen:
         basis = BSpline.design_matrix(np.clip(one / 255.0, 0.0, 1.0), _knots(), _DEGREE)
         rows.append(np.hstack([basis.toarray(), exposure]))
-    return _Values(chosen, tuple(rows), np.flatnonzero(np.diff(point, prepend=-1)))
+    return _Values(chosen, tuple(rows), shot, np.flatnonzero(np.diff(point, prepend=-1)))
 
 
 def _weights(values: _Values, solution: Float) -> tuple[Float, float, float]:
@@ -173,7 +179,34 @@ def _normal(rows: list[Float], weights: Float, shots: int) -> Float:
     return total
 
 
-def _prior(stops: Float, smoothness: float) -> tuple[Float, Float]:
+def _linked(usable: Bool) -> Index:
+    """(J,) which photos share points, those of one group by one number."""
+    seen = usable.astype(np.float64)
+    return np.asarray(connected_components(seen @ seen.T >= _LINKED, directed=False)[1])
+
+
+def _held(stops: Float, told: Float, linked: Index) -> Float:
+    """(R, J) directions in which the exposures of a group do not depart: as one, and in proportion.
+
+    Parameters
+    ----------
+    stops
+        (J,) exposures.
+    told
+        (J,) weight of the values of each.
+    linked
+        (J,) which group each belongs to.
+    """
+    rows = []
+    for group in range(linked.max() + 1):
+        weight = np.where(linked == group, np.maximum(told, 1e-9), 0.0)
+        weight /= weight.sum()
+        rows += [weight, weight * (stops - weight @ stops)]
+    lengths = [float(np.linalg.norm(row)) for row in rows]
+    return np.array([row / length for row, length in zip(rows, lengths, strict=True) if length > 0])
+
+
+def _prior(stops: Float, smoothness: float, held: Float) -> tuple[Float, Float]:
     """Splines that bend as responses do, 0 in mid-range; exposures near those given."""
     size = len(CHANNELS) * _SIZE + len(stops)
     matrix, right = 1e-9 * np.eye(size), np.zeros(size)
@@ -186,10 +219,7 @@ def _prior(stops: Float, smoothness: float) -> tuple[Float, Float]:
         place = slice(channel * _SIZE, (channel + 1) * _SIZE)
         matrix[place, place] += one
         right[place] = weight @ usual
-    offset = stops - stops.mean()
-    fixed = [np.ones(len(stops)), offset / max(float(np.linalg.norm(offset)), 1e-9)]
-    precision = np.eye(len(stops)) / _SHUTTER**2
-    precision += _EXACT**2 * sum(np.outer(one, one) for one in fixed)
+    precision = np.eye(len(stops)) / _SHUTTER**2 + _EXACT**2 * held.T @ held
     last = slice(len(CHANNELS) * _SIZE, size)
     matrix[last, last] += precision
     right[last] = precision @ stops
