@@ -96,6 +96,19 @@ def test_what_to_expect_of_it_is_of_its_shape():
     assert np.all(told.sigma[:, 250] > told.sigma[:, 160])
 
 
+def test_times_that_are_off_leave_the_slope_open_the_more_the_shorter_the_bracket():
+    """Real ones were off by 0.1 stops over two, and 0.03 stops were told where 0.1 is likely."""
+    truth, told = gamma_curve(2.2), []
+    off = np.array([-0.17, -0.03, 0.13, 0.13, -0.04, -0.15])
+    for step, departs in ((1.2, 0.0), (1.2, off), (0.4, off)):
+        stops = step * np.arange(-6.0, 0.0)
+        solved = solve_bracket(points(stops + departs, truth), stops)
+        assert solved.in_stops is not None
+        told.append(solved.in_stops)
+    assert told[0].mid < 0.035
+    assert told[0].shadows < told[1].shadows < 0.7 * told[2].shadows
+
+
 @pytest.mark.slow
 def test_steps_of_two_stops_leave_no_waves():
     """Bends that are likely one by one, and together a wave of one step, were off by 0.038."""

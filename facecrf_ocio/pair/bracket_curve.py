@@ -38,7 +38,9 @@ _GUESSED = 0.3  # of the stops from the brightest point to white, which known re
 # [stop] Standard deviation of two channels' light above this code, up to which they are alike: of
 # one curve 0.007 at most, of responses whose channels differ 0.02 to 0.4.
 _ALIKE, _ALIKE_FROM = 0.05, 0.25
-_STRETCH = 0.015  # of all stops: how far the camera's times may be stretched as a whole
+# Of all stops: how far the camera's times may be stretched as a whole, besides what is told by how
+# they depart from the pixels.
+_STRETCH = 0.015
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,7 +120,7 @@ def solve_bracket(
     rough, smooth = (_curve(fit_exposures(codes, clear, given, s, whole), seen) for s in (0.5, 2.0))
     halves, bend = _rmse(one, other), _rmse(rough, smooth)
     apart = np.array([_log_difference(one, other) / 2.0, _log_difference(rough, smooth)])
-    sigma, in_stops = _deviations(found, apart, seen)
+    sigma, in_stops = _deviations(found, apart, seen, float(np.hypot(_STRETCH, whole.stretch)))
     problem = _problem(span, halves, bend, whole, covered)
     return BracketCurve(
         found, sigma, in_stops, span, halves, bend, whole.residual, covered, problem, whole.stops
@@ -126,7 +128,7 @@ def solve_bracket(
 
 
 def _deviations(
-    found: InverseCRF, apart: Float, seen: list[tuple[float, float]]
+    found: InverseCRF, apart: Float, seen: list[tuple[float, float]], stretch: float
 ) -> tuple[Float, InStops]:
     """Of light with white at 1, and in stops with the factor out at mid-gray.
 
@@ -138,6 +140,8 @@ def _deviations(
         (2, 3, K) differences in stops, of halves of the points and by smoothness.
     seen
         [code value] between which each channel's points lie.
+    stretch
+        Deviation of the factor of all exposures.
     """
     depth = np.log2(np.maximum(found.linear, 2.0**-12))
     unseen = np.array(
@@ -146,7 +150,7 @@ def _deviations(
     white = (
         (apart**2).sum(axis=0)
         + _FLOOR**2
-        + (_STRETCH * depth) ** 2
+        + (stretch * depth) ** 2
         + (_GUESSED * np.minimum(unseen, -depth)) ** 2
     )
     sigma = found.linear * np.log(2.0) * np.sqrt(white)
@@ -155,7 +159,7 @@ def _deviations(
     depth, *differences = (
         np.array([np.interp(codes, found.encoded, row) for row in rows]) for rows in (depth, *apart)
     )
-    shifts = [rows - rows[:, [MID_GRAY]] for rows in (_STRETCH * depth, *differences)]
+    shifts = [rows - rows[:, [MID_GRAY]] for rows in (stretch * depth, *differences)]
     guessed = _GUESSED * np.maximum(depth + unseen, 0.0)
     shape = 2.0 * _FLOOR**2 + np.sum(np.square(shifts), axis=0) + guessed**2
     return sigma, expected_of_deviation(np.sqrt(shape))

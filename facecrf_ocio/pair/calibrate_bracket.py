@@ -13,6 +13,7 @@ from facecrf_ocio.pair.bracket_pixels import SmallBracket, flat_patches, small_b
 from facecrf_ocio.pair.exposure_grid import exposure_stops
 from facecrf_ocio.photo.shot import Shot
 from facecrf_ocio.response.coverage import coverage_at, coverage_counts
+from facecrf_ocio.response.expected_stops import verdict_of
 from facecrf_ocio.values import Confidence, Estimate, Float, Outcome, Photo, Verdict
 
 _RELIABLE_RESIDUAL = 0.08  # [stop]
@@ -74,9 +75,10 @@ def calibrate_bracket(
     bracket = small_bracket(photos, stops)
     codes, usable = flat_patches(bracket, center_only=center_only)
     solved = solve_bracket(codes, stops, usable)
-    if solved.problem or solved.found is None:
+    if solved.problem or solved.found is None or solved.in_stops is None:
         return BracketEstimate(_not_calibrated(solved), solved, bracket)
     reliable = solved.residual <= _RELIABLE_RESIDUAL
+    verdict = verdict_of(solved.in_stops) if reliable else Verdict.WEAK
     estimate = Estimate(
         Outcome.CALIBRATED,
         "bracket",
@@ -86,7 +88,7 @@ def calibrate_bracket(
         confidence=Confidence(
             solved.sigma,
             _coverage(codes, usable, solved),
-            Verdict.RELIABLE if reliable else Verdict.WEAK,
+            verdict,
             bracket_reasons(solved),
             solved.in_stops,
         ),

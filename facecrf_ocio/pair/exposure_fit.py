@@ -59,6 +59,8 @@ class ExposureFit:
         [stop] Robust standard deviation of what the fit leaves of a point.
     kept
         Share of the values that were not set aside as moved, textured or otherwise wrong.
+    stretch
+        Standard error of the factor of all exposures, from how far those given are off.
     solution
         All unknowns, for another fit to start from.
     """
@@ -67,6 +69,7 @@ class ExposureFit:
     stops: Float
     residual: float
     kept: float
+    stretch: float
     solution: Float
 
 
@@ -106,7 +109,9 @@ def fit_exposures(
     raw, kept = _weights(values, solution)[1:]
     grid = np.arange(CODES) / 255.0
     light = np.array([_spline(solution, c)(grid) for c in range(len(CHANNELS))])
-    return ExposureFit(light, solution[len(CHANNELS) * _SIZE :], raw, kept, solution)
+    refined = solution[len(CHANNELS) * _SIZE :]
+    stretch = _stretch(refined - stops, _held(stops, told, linked))
+    return ExposureFit(light, refined, raw, kept, stretch, solution)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -185,28 +190,44 @@ def _linked(usable: Bool) -> Index:
     return np.asarray(connected_components(seen @ seen.T >= _LINKED, directed=False)[1])
 
 
-def _held(stops: Float, told: Float, linked: Index) -> Float:
-    """(R, J) directions in which the exposures of a group do not depart: as one, and in proportion.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Held:
+    """What is held of the exposures of each group that shares points, (G, J) each.
 
-    Parameters
-    ----------
-    stops
-        (J,) exposures.
-    told
-        (J,) weight of the values of each.
-    linked
-        (J,) which group each belongs to.
+    `share` of each photo in what its group tells; `depth` [stop] of its exposure from their mean.
     """
-    rows = []
-    for group in range(linked.max() + 1):
-        weight = np.where(linked == group, np.maximum(told, 1e-9), 0.0)
-        weight /= weight.sum()
-        rows += [weight, weight * (stops - weight @ stops)]
-    lengths = [float(np.linalg.norm(row)) for row in rows]
-    return np.array([row / length for row, length in zip(rows, lengths, strict=True) if length > 0])
+
+    share: Float
+    depth: Float
+
+    @property
+    def directions(self) -> Float:
+        """(2G, J) in which exposures do not depart: as one, and in proportion."""
+        rows = np.concatenate([self.share, self.share * self.depth])
+        return np.asarray(rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12))
 
 
-def _prior(stops: Float, smoothness: float, held: Float) -> tuple[Float, Float]:
+def _held(stops: Float, told: Float, linked: Index) -> _Held:
+    """Of (J,) exposures, the weight of the values of each, and the group each belongs to."""
+    share = np.where(linked == np.arange(linked.max() + 1)[:, None], np.maximum(told, 1e-9), 0.0)
+    share = share / share.sum(axis=1, keepdims=True)
+    return _Held(share, stops - (share @ stops)[:, None])
+
+
+def _stretch(departures: Float, held: _Held) -> float:
+    """Standard error of the slope of true exposures over those given, by how these depart."""
+    several = (held.share > 0.0).sum(axis=1) > 1
+    share, depth = held.share[several], held.depth[several]
+    if not share.size or not (share * depth**2).sum() > 0.0:
+        return 0.0
+    free = (share > 0.0).sum() - 2 * len(share)
+    count = (share > 0.0).sum(axis=1, keepdims=True)
+    square = float((share * count * departures**2).sum() / free) if free > 0 else 0.0
+    leverage = np.linalg.norm(share * depth) / (share * depth**2).sum()
+    return float(leverage * max(np.sqrt(square), _SHUTTER))
+
+
+def _prior(stops: Float, smoothness: float, held: _Held) -> tuple[Float, Float]:
     """Splines that bend as responses do, 0 in mid-range; exposures near those given."""
     size = len(CHANNELS) * _SIZE + len(stops)
     matrix, right = 1e-9 * np.eye(size), np.zeros(size)
@@ -219,7 +240,8 @@ def _prior(stops: Float, smoothness: float, held: Float) -> tuple[Float, Float]:
         place = slice(channel * _SIZE, (channel + 1) * _SIZE)
         matrix[place, place] += one
         right[place] = weight @ usual
-    precision = np.eye(len(stops)) / _SHUTTER**2 + _EXACT**2 * held.T @ held
+    fixed = held.directions
+    precision = np.eye(len(stops)) / _SHUTTER**2 + _EXACT**2 * fixed.T @ fixed
     last = slice(len(CHANNELS) * _SIZE, size)
     matrix[last, last] += precision
     right[last] = precision @ stops
