@@ -8,7 +8,7 @@ import weakref
 import numpy as np
 import pytest
 
-from facecrf_ocio.photo.raster.halves import halved
+from facecrf_ocio.photo.raster.halves import halved, halved_part
 from facecrf_ocio.photo.raster.pixels import Pixels
 
 
@@ -50,6 +50,18 @@ def test_another_photo_is_not_taken_for_the_last_one() -> None:
     first, second = photo_of(64, 64), photo_of(32, 32)
     halved(first, 2)
     assert halved(second, 2).shape == (8, 8, 3)
+
+
+@pytest.mark.parametrize("kept", [0, 1, 2, 3])
+@pytest.mark.parametrize("times", [0, 1, 2, 3])
+def test_a_part_is_that_of_the_whole_whatever_is_kept(times: int, kept: int) -> None:
+    pixels = photo_of(67, 93)
+    part = slice(1, 7), slice(0, 11)
+    whole = halved(pixels.copy(), times)
+    halved(pixels, kept)
+    found = halved_part(pixels, times, part)
+    assert found.shape == (6, 11, 3)
+    assert (found == whole[part]).all()
 
 
 def test_nothing_is_kept_longer_than_the_photo() -> None:

@@ -394,10 +394,12 @@ class TestASecondLook:
         assert is_nobodys(plain, replace(face, score=0.8))
         assert not is_nobodys(plain, replace(face, score=0.95))  # the first detector is sure
 
-    def test_at_the_edge_of_the_picture(self) -> None:
-        (face,) = find_faces(grace_hopper(), FaceSettings()).faces
+    @pytest.mark.parametrize("scale", [1.0, 3.7, 7.0])
+    def test_at_the_edge_of_the_picture(self, scale: float) -> None:
+        photo = cv2.resize(grace_hopper(), None, fx=scale, fy=scale)
+        (face,) = find_faces(photo, FaceSettings()).faces
         x, y, width, height = face.box_xy.astype(int)
-        cut = grace_hopper()[y : y + height, x : x + width]
+        cut = photo[y : y + height, x : x + width]
         here = face.landmarks_xyz - np.array([x, y, 0.0])
         assert not is_nobodys(cut, replace(face, score=0.8, landmarks_xyz=here))
 

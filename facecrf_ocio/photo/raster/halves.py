@@ -34,6 +34,18 @@ def halved(pixels: Pixels, times: int) -> Pixels:
     return kept[times]
 
 
+def halved_part(pixels: Pixels, times: int, part: tuple[slice, slice]) -> Pixels:
+    """Some rows and columns of `halved`, counted in its pixels: nothing else is halved for them."""
+    kept = _kept(pixels)
+    already = max((number for number in kept if number <= times), default=0)
+    left = times - already
+    rows, columns = (slice(edges.start << left, edges.stop << left) for edges in part)
+    found = kept.get(already, pixels)[rows, columns]
+    for _ in range(left):
+        found = _half(found)
+    return found
+
+
 def _kept(pixels: Pixels) -> dict[int, Pixels]:
     global _last  # noqa: PLW0603 - one photo at a time is halved
     last = _last
