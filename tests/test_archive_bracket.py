@@ -9,7 +9,7 @@ import pytest
 from archive_photos import ONE, exposed, table, write_face, write_picture
 from command_line import CommandLine
 
-from facecrf_ocio.archive.cameras.bracket import Exposure, find_brackets, stops_of
+from facecrf_ocio.archive.cameras.bracket import BracketPhoto, find_brackets, stops_of
 from facecrf_ocio.joint.prior import shipped_prior
 from facecrf_ocio.pair.bracket_curve import rmse_after_scale, solve_bracket
 from facecrf_ocio.pair.code_samples import COLUMNS, ROWS, read_samples, take_samples
@@ -91,7 +91,7 @@ def exposures(stops, seconds=None, linear=None):
     samples = shoot(scene() if linear is None else linear, gamma_curve(2.2), stops)
     seconds = range(len(stops)) if seconds is None else seconds
     return [
-        Exposure(f"{n}", f"{n}", Shot("", 1e9 + second, 0.01 * 2.0**stop, 4.0, 100.0), sample)
+        BracketPhoto(f"{n}", f"{n}", Shot("", 1e9 + second, 0.01 * 2.0**stop, 4.0, 100.0), sample)
         for n, (stop, second, sample) in enumerate(zip(stops, seconds, samples, strict=True))
     ]
 
@@ -191,7 +191,7 @@ def ordinary(folder, count):
         taken_at += float(rng.choice([1.5, 4.0, 20.0, 90.0]))
         time = 1.0 / float(rng.choice([60, 125, 250, 500]))
         shot = Shot(taken_at, time, 4.0, 100.0)
-        found.append(Exposure(str(number), str(number), shot, take_samples(encoded)))
+        found.append(BracketPhoto(str(number), str(number), shot, take_samples(encoded)))
     return found
 
 

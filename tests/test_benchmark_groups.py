@@ -14,10 +14,10 @@ from facecrf_ocio.benchmark.groups import (
     percentiles_markdown,
 )
 from facecrf_ocio.benchmark.tables import is_right, summarize
-from facecrf_ocio.benchmark.workbench import Result
+from facecrf_ocio.benchmark.workbench import CaseResult
 from facecrf_ocio.errors import PhotoError
 
-ONE = Result("paper", "joint", "a.exr", 0, "row 0", "Nikon", "camera_jpeg", None, "calibrated",
+ONE = CaseResult("paper", "joint", "a.exr", 0, "row 0", "Nikon", "camera_jpeg", None, "calibrated",
              "reliable", True, "", 0.05, 0.1, None, 0.0, 0.01, 0.01, 0.01, 0.01, 0.0, 0.9, 0.8,
              None, None, 0.1)  # fmt: skip
 

@@ -28,7 +28,7 @@ from facecrf_ocio.benchmark.responses import Responses, read_responses, spread_r
 from facecrf_ocio.benchmark.virtual_camera import (
     FULL_WELL_ISO_100,
     READ_NOISE,
-    Encoding,
+    CameraEncoding,
     count_codes,
     take_photo,
 )
@@ -169,7 +169,7 @@ class TestCamera:
     @pytest.mark.parametrize("bits", [8, 10, 12, 16])
     def test_code_values_are_those_of_the_response(self, bits):
         linear = ramp()
-        photo = take_photo(linear, GAMMA, Encoding(bits), rng())
+        photo = take_photo(linear, GAMMA, CameraEncoding(bits), rng())
         top = 2**bits - 1
         codes = photo.encoded.astype(np.float64) * top
         np.testing.assert_allclose(codes, np.rint(codes), atol=1e-2)
@@ -182,16 +182,16 @@ class TestCamera:
 
     def test_each_channel_has_its_own_response(self):
         linear = np.full((8, 8, 3), 0.25, np.float32)
-        photo = take_photo(linear, np.array([GRID, GRID**2, GRID**0.5]), Encoding(16), rng())
+        photo = take_photo(linear, np.array([GRID, GRID**2, GRID**0.5]), CameraEncoding(16), rng())
         np.testing.assert_allclose(photo.encoded[0, 0], [0.25, 0.5, 0.0625], atol=1e-4)
 
     def test_the_sensor_saturates(self):
-        photo = take_photo(np.full((4, 4, 3), 7.0, np.float32), GAMMA, Encoding(), rng())
+        photo = take_photo(np.full((4, 4, 3), 7.0, np.float32), GAMMA, CameraEncoding(), rng())
         assert (photo.encoded == 1.0).all()
 
     def test_jpeg_is_what_another_reader_decodes_from_it(self):
-        plain = take_photo(ramp(), GAMMA, Encoding(), rng())
-        photo = take_photo(ramp(), GAMMA, Encoding(jpeg=90), rng())
+        plain = take_photo(ramp(), GAMMA, CameraEncoding(), rng())
+        photo = take_photo(ramp(), GAMMA, CameraEncoding(jpeg=90), rng())
         rgb = np.rint(plain.encoded * 255).astype(np.uint8)
         _, content = cv2.imencode(".jpg", rgb[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 90])
         decoded = np.asarray(Image.open(io.BytesIO(content.tobytes())), dtype=np.int64)
@@ -201,26 +201,26 @@ class TestCamera:
     def test_noise_has_the_variance_of_photons_and_reading(self):
         linear = np.full((200, 200, 3), 0.3, np.float32)
         identity = np.tile(GRID, (3, 1))
-        photo = take_photo(linear, identity, Encoding(16, iso=1600), rng(1))
+        photo = take_photo(linear, identity, CameraEncoding(16, iso=1600), rng(1))
         well = FULL_WELL_ISO_100 / 16
         expected = np.sqrt(0.3 * well + READ_NOISE**2) / well
         assert photo.encoded.std() == pytest.approx(expected, rel=0.02)
         assert photo.encoded.mean() == pytest.approx(0.3, abs=1e-3)
 
     def test_codes_are_counted_once_each(self):
-        photo = take_photo(ramp(), GAMMA, Encoding(), rng())
+        photo = take_photo(ramp(), GAMMA, CameraEncoding(), rng())
         counted = count_codes(photo)
         assert counted.shape == (3, 256)
         for channel in range(3):
             codes = np.rint(photo.encoded[..., channel] * 255)
             assert counted[channel, 17] == (codes == 17).sum()
         assert counted.sum() == photo.encoded.size
-        assert count_codes(take_photo(ramp(), GAMMA, Encoding(16), rng())).shape == (3, 4096)
+        assert count_codes(take_photo(ramp(), GAMMA, CameraEncoding(16), rng())).shape == (3, 4096)
 
     @pytest.mark.parametrize("wrong", [{"bits": 7}, {"bits": 16, "jpeg": 90}, {"iso": 0.0}])
     def test_impossible_files_are_refused(self, wrong):
         with pytest.raises(SettingsError):
-            Encoding(**wrong)
+            CameraEncoding(**wrong)
 
 
 def write(path, channels, pixel_type, names=None):

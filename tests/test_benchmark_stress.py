@@ -20,13 +20,13 @@ from facecrf_ocio.benchmark.stress import (
     rows_of_kinds,
 )
 from facecrf_ocio.benchmark.stress_tables import stress_markdown
-from facecrf_ocio.benchmark.workbench import Result
+from facecrf_ocio.benchmark.workbench import CaseResult
 from facecrf_ocio.cli.bench_command import bench
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.synthetic import SyntheticSpec, render_face
 
 GRID = np.linspace(0.0, 1.0, 1024)
-ONE = Result("day", "auto", "a.exr", 0, "row 0", "Nikon", "camera_jpeg", 0, "calibrated",
+ONE = CaseResult("day", "auto", "a.exr", 0, "row 0", "Nikon", "camera_jpeg", 0, "calibrated",
              "reliable", True, "", 0.1, 0.2, 0.1, 0.02, 0.03, 0.03, 0.03, 0.03, 0.01, 0.9, 0.8,
              0.08, 0.2, 0.1)  # fmt: skip
 

@@ -13,15 +13,15 @@ from click.testing import CliRunner
 from drawn_curves import write_drawn_curves
 
 from facecrf_ocio.benchmark import bench_processes, workbench
-from facecrf_ocio.benchmark.cases import Case, Plan, Task, choose_estimators
+from facecrf_ocio.benchmark.cases import Case, PhotoCases, Plan, choose_estimators
 from facecrf_ocio.benchmark.folds import training_rows
 from facecrf_ocio.benchmark.images import find_linear_images
 from facecrf_ocio.benchmark.responses import read_responses, spread_rows
 from facecrf_ocio.benchmark.store import Store
 from facecrf_ocio.benchmark.table1 import run_synthetic
 from facecrf_ocio.benchmark.tables import summarize
-from facecrf_ocio.benchmark.virtual_camera import Encoding
-from facecrf_ocio.benchmark.workbench import Result, Workbench
+from facecrf_ocio.benchmark.virtual_camera import CameraEncoding
+from facecrf_ocio.benchmark.workbench import CaseResult, Workbench
 from facecrf_ocio.cli.bench_command import bench
 from facecrf_ocio.errors import FaceCRFError
 from facecrf_ocio.response.model import dorf_model
@@ -179,7 +179,7 @@ def test_error_of_the_mean_curve_is_that_computed_directly(plan):
         "held-out": plan.responses.inverse[seen, 0].mean(axis=0),
     }
     for protocol, mean in means.items():
-        (result,) = table.measure(Task(0, row, (Case(protocol, "mean", 0, row),)))
+        (result,) = table.measure(PhotoCases(0, row, (Case(protocol, "mean", 0, row),)))
         direct = np.sqrt(((mean - plan.responses.inverse[row, 0]) ** 2).mean())
         assert result.rmse == pytest.approx(direct, abs=1e-5)
         assert result.fold == (1 if protocol == "held-out" else None)
@@ -189,7 +189,7 @@ def test_a_refusal_counts_as_one_and_is_scored_as_the_mean_curve(plan, tmp_path)
     write_exr(tmp_path / "flat.exr", np.full((120, 100, 3), 0.2))
     without_face = replace(plan, images=find_linear_images(tmp_path).images)
     cases = tuple(Case("paper", name, 0, 0) for name in ("face", "mean"))
-    face, mean = Workbench(without_face).measure(Task(0, 0, cases))
+    face, mean = Workbench(without_face).measure(PhotoCases(0, 0, cases))
     assert not face.answered
     assert mean.answered
     assert face.outcome == "not calibrated"
@@ -207,14 +207,14 @@ def test_an_estimator_that_breaks_down_does_not_end_the_run(plan, monkeypatch):
         return usual(photo, estimator=estimator, **others)
 
     monkeypatch.setattr(workbench, "calibrate", broken)
-    (result,) = Workbench(plan).measure(Task(0, 0, (Case("paper", "face", 0, 0),)))
+    (result,) = Workbench(plan).measure(PhotoCases(0, 0, (Case("paper", "face", 0, 0),)))
     assert result.outcome == "failed"
     assert result.reason == "ZeroDivisionError: no skin"
     assert summarize([result])[0].failed == 1.0
 
 
 def test_noise_is_the_same_for_the_same_seed_only(plan):
-    noisy = replace(plan, encoding=Encoding(iso=800), seed=3)
+    noisy = replace(plan, encoding=CameraEncoding(iso=800), seed=3)
     first, again = (Workbench(noisy).photograph(1, 20).encoded for _ in range(2))
     np.testing.assert_array_equal(first, again)
     assert (Workbench(replace(noisy, seed=4)).photograph(1, 20).encoded != first).any()
@@ -225,7 +225,7 @@ def test_keys_change_with_whatever_a_result_depends_on(plan):
     assert len(set(keys.values())) == len(keys) == 2 * 5 * 2 * 3
     others = (
         replace(plan, seed=1),
-        replace(plan, encoding=Encoding(jpeg=92)),
+        replace(plan, encoding=CameraEncoding(jpeg=92)),
         replace(plan, settings=Settings(face_width=200)),
         replace(plan, responses=replace(plan.responses, sha256="1" * 64)),
         replace(plan, images=tuple(replace(i, sha256="2" * 64) for i in plan.images)),
@@ -237,18 +237,18 @@ def test_keys_change_with_whatever_a_result_depends_on(plan):
 
 
 def test_the_store_forgets_only_what_is_damaged(tmp_path):
-    result = Result("paper", "mean", "a.exr", 0, "row 0", "", "", None, "fallback", "", True, "",
-                    0.1, 0.2, None, 0.0, 0.1, 0.1, 0.1, 0.1, 1 / 3, 0.9, None, None, None,
+    result = CaseResult("paper", "mean", "a.exr", 0, "row 0", "", "", None, "fallback", "", True,
+                    "", 0.1, 0.2, None, 0.0, 0.1, 0.1, 0.1, 0.1, 1 / 3, 0.9, None, None, None,
                     0.01)  # fmt: skip
     path = tmp_path / "new" / "cases.jsonl"
-    store = Store(path, Result)
+    store = Store(path, CaseResult)
     store.append({"a": result, "b": result})
     content = path.read_bytes()
     path.write_bytes(content.replace(b'{"key": "a"', b"{damaged") + b'{"key": "c", "proto')
-    again = Store(path, Result)
+    again = Store(path, CaseResult)
     assert again.results == {"b": result}
     again.append({"d": result})
-    assert Store(path, Result).results == {"b": result, "d": result}
+    assert Store(path, CaseResult).results == {"b": result, "d": result}
 
 
 @pytest.mark.parametrize(

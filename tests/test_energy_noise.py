@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from facecrf_ocio.published.energy.log_slope import CENTERS, INTERVALS, curve_of, log_slope_prior
-from facecrf_ocio.published.energy.noise_symmetry import NoiseLevels, exact_moments, fit_noise
+from facecrf_ocio.published.energy.noise_symmetry import RegionNoise, exact_moments, fit_noise
 from facecrf_ocio.response.model import dorf_model
 
 MODEL = dorf_model()
@@ -24,7 +24,7 @@ def log_slopes_of(curve):
 def levels_of(log_slopes, shot, read, *, pixels=1e9):
     log_variance, skewness = exact_moments(CODES, log_slopes, shot, read)
     count = np.full(CODES.size, pixels)
-    return NoiseLevels(CODES, np.exp(log_variance), skewness, count, np.ones(CODES.size))
+    return RegionNoise(CODES, np.exp(log_variance), skewness, count, np.ones(CODES.size))
 
 
 def rmse(log_slopes, curve):
@@ -89,7 +89,7 @@ def test_levels_that_contradict_the_noise_model_leave_the_curve_near_the_prior()
     distances = []
     for seed in range(8):
         rng = np.random.default_rng(seed)
-        rough = NoiseLevels(
+        rough = RegionNoise(
             CODES,
             levels.variance * np.exp(rng.normal(0.0, 1.0, CODES.size)),
             rng.normal(0.0, 1.0, CODES.size),

@@ -8,6 +8,7 @@ import re
 import statistics
 import subprocess
 import zipfile
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -99,6 +100,16 @@ def test_functions_are_small():
 @pytest.mark.parametrize("name", FILES)
 def test_every_number_has_its_reason_beside_it(name):
     assert list(unexplained(name)) == []
+
+
+def test_no_public_class_has_the_name_of_another():
+    names = Counter(
+        node.name
+        for tree in TREES.values()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
+    )
+    assert [name for name, count in names.items() if count > 1] == []
 
 
 SQL = re.compile(r"\b(SELECT .* FROM|INSERT INTO|UPDATE \w+ SET|DELETE FROM|CREATE TABLE|PRAGMA)\b")

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from facecrf_ocio import __version__
-from facecrf_ocio.archive.cameras.bracket import Exposure, stops_of
+from facecrf_ocio.archive.cameras.bracket import BracketPhoto, stops_of
 from facecrf_ocio.archive.cameras.camera_group import exposures
 from facecrf_ocio.archive.cameras.waiting import Desk
 from facecrf_ocio.archive.in_the_way import Alike, in_the_way
@@ -71,7 +71,7 @@ class _Wanted:
     """A bracket that is to be merged, or why not."""
 
     bracket: BracketNamed
-    members: tuple[Exposure, ...]
+    members: tuple[BracketPhoto, ...]
     basis: str
 
     def exposures(self, told: Told) -> Iterator[tuple[str, str, float, float]]:
@@ -193,7 +193,7 @@ class _Merging:
         self.tell(Event(task.name, result, fresh=True, step=BRACKET))
 
 
-def _series(job: Job, members: tuple[Exposure, ...]) -> Series:
+def _series(job: Job, members: tuple[BracketPhoto, ...]) -> Series:
     return Series(
         tuple(job.source / one.name for one in members),
         tuple(one.sha256 for one in members),
@@ -202,7 +202,7 @@ def _series(job: Job, members: tuple[Exposure, ...]) -> Series:
     )
 
 
-def _basis(digest: str, bracket: BracketNamed, members: tuple[Exposure, ...]) -> str:
+def _basis(digest: str, bracket: BracketNamed, members: tuple[BracketPhoto, ...]) -> str:
     """Hash of all that an image depends on."""
     photos = [[key_of(one.name), one.sha256] for one in members]
     said = json.dumps([digest, bracket.used, bracket.curve_sha256, photos])

@@ -19,7 +19,7 @@ from facecrf_ocio.benchmark.responses import Responses
 from facecrf_ocio.benchmark.store import Store
 from facecrf_ocio.benchmark.tables import csv_table, markdown_table
 from facecrf_ocio.benchmark.truth import KnownFace
-from facecrf_ocio.benchmark.virtual_camera import Encoding, count_codes, take_photo
+from facecrf_ocio.benchmark.virtual_camera import CameraEncoding, count_codes, take_photo
 from facecrf_ocio.calibrate import calibrate
 from facecrf_ocio.files.atomic import Draft, write_files
 from facecrf_ocio.files.strict_json import dump
@@ -45,7 +45,7 @@ class AblationPlan:
     responses: Responses
     rows: tuple[int, ...]
     folds: int = 5
-    encoding: Encoding = field(default_factory=Encoding)
+    encoding: CameraEncoding = field(default_factory=CameraEncoding)
     settings: Settings = field(default_factory=Settings)
     seed: int = 0
 

@@ -12,7 +12,7 @@ from concurrent.futures.process import BrokenProcessPool
 from typing import Any, Protocol, TypeVar
 
 from facecrf_ocio.benchmark.cases import code_digest
-from facecrf_ocio.benchmark.workbench import Result
+from facecrf_ocio.benchmark.workbench import CaseResult
 from facecrf_ocio.errors import FaceCRFError
 from facecrf_ocio.files.threads import limit_to_one_thread
 
@@ -24,7 +24,7 @@ _Task_contra = TypeVar("_Task_contra", contravariant=True)
 class Bench(Protocol[_Task_contra]):
     """What measures a task: takes its photo, shows it to the estimators, and scores them."""
 
-    def measure(self, task: _Task_contra, /) -> tuple[Result, ...]:
+    def measure(self, task: _Task_contra, /) -> tuple[CaseResult, ...]:
         """Results of one task."""
 
 
@@ -33,7 +33,7 @@ _bench: Bench[Any] | None = None  # of a worker process
 
 def measure_tasks(
     bench: Callable[[Plan], Bench[Task]], plan: Plan, tasks: Sequence[Task], jobs: int = 1
-) -> Iterator[tuple[Task, tuple[Result, ...]]]:
+) -> Iterator[tuple[Task, tuple[CaseResult, ...]]]:
     """Measure tasks, each in one of `jobs` fresh processes of one thread; yields as they finish.
 
     Every process sets up `bench(plan)` for itself.
@@ -84,7 +84,7 @@ def _die_with_parent() -> None:
         os._exit(1)
 
 
-def _measure(task: object) -> tuple[Result, ...]:
+def _measure(task: object) -> tuple[CaseResult, ...]:
     if _bench is None:
         raise FaceCRFError("the package was changed since this run began; start again")
     return _bench.measure(task)

@@ -15,7 +15,7 @@ from facecrf_ocio.benchmark import joint_folds
 from facecrf_ocio.benchmark.folds import GUARD_ROWS, assign_folds
 from facecrf_ocio.benchmark.images import LinearImage
 from facecrf_ocio.benchmark.responses import Responses
-from facecrf_ocio.benchmark.virtual_camera import Encoding
+from facecrf_ocio.benchmark.virtual_camera import CameraEncoding
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.estimators import ESTIMATOR_NAMES, FIXED_CURVES
 from facecrf_ocio.files.versions import versions
@@ -58,7 +58,7 @@ class Case:
 
 
 @dataclass(frozen=True, slots=True)
-class Task:
+class PhotoCases:
     """The cases of one photo, which are measured together."""
 
     image: int
@@ -98,7 +98,7 @@ class Plan:
     estimators: tuple[str, ...]
     protocols: tuple[str, ...] = (HELD_OUT, PAPER)
     folds: int = 5
-    encoding: Encoding = field(default_factory=Encoding)
+    encoding: CameraEncoding = field(default_factory=CameraEncoding)
     settings: Settings = field(default_factory=Settings)
     seed: int = 0
     prior: str = "auto"
@@ -111,13 +111,13 @@ class Plan:
                     for row in self.rows:
                         yield Case(protocol, estimator, image, row)
 
-    def tasks(self, keys: Mapping[Case, str], done: Mapping[str, object]) -> tuple[Task, ...]:
+    def tasks(self, keys: Mapping[Case, str], done: Mapping[str, object]) -> tuple[PhotoCases, ...]:
         """The cases whose keys are not among those done, photo by photo."""
         missing: dict[tuple[int, int], list[Case]] = {}
         for case, key in keys.items():
             if key not in done:
                 missing.setdefault((case.image, case.row), []).append(case)
-        return tuple(Task(*photo, tuple(missing[photo])) for photo in sorted(missing))
+        return tuple(PhotoCases(*photo, tuple(missing[photo])) for photo in sorted(missing))
 
     def fold_of(self) -> Index | None:
         """Fold of each response, None if none is held out."""

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from facecrf_ocio.benchmark.tables import Row, grouped, markdown_table, number, summarize
-from facecrf_ocio.benchmark.workbench import Result
+from facecrf_ocio.benchmark.workbench import CaseResult
 from facecrf_ocio.errors import PhotoError, reason_of
 from facecrf_ocio.estimators import FIXED_CURVES
 
@@ -18,7 +18,7 @@ PERCENTILES = (5, 10, 25, 50, 75, 90, 95, 99)
 _LEFT_OUT = frozenset(FIXED_CURVES) - {"mean", "srgb"}
 
 
-def percentiles_markdown(results: Sequence[Result]) -> str:
+def percentiles_markdown(results: Sequence[CaseResult]) -> str:
     """Percentiles of the error in stops and of RMSE x 100 for each protocol and estimator."""
     groups = grouped(results, lambda result: (result.protocol, result.estimator))
     stops, hundredfold = [], []
@@ -37,7 +37,7 @@ def percentiles_markdown(results: Sequence[Result]) -> str:
 
 
 def groups_markdown(
-    results: Sequence[Result], title: str, group_of: Callable[[Result], str]
+    results: Sequence[CaseResult], title: str, group_of: Callable[[CaseResult], str]
 ) -> str:
     """Errors of each group beside those of the mean curve and of sRGB decoding.
 

@@ -22,7 +22,7 @@ from facecrf_ocio.benchmark.store import Store
 from facecrf_ocio.benchmark.stress_camera import Image, photograph
 from facecrf_ocio.benchmark.stress_tables import stress_files
 from facecrf_ocio.benchmark.virtual_camera import count_codes
-from facecrf_ocio.benchmark.workbench import Asked, Result, Subject, measure
+from facecrf_ocio.benchmark.workbench import Asked, CaseResult, Subject, measure
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.response.model import ResponseModel, dorf_model
 from facecrf_ocio.settings import Settings
@@ -134,7 +134,7 @@ class StressBench:
         inverse = plan.responses.inverse
         self._truth = np.repeat(inverse[:, 1:2], 3, axis=1) if plan.green else inverse
 
-    def measure(self, task: StressTask) -> tuple[Result, ...]:
+    def measure(self, task: StressTask) -> tuple[CaseResult, ...]:
         """Results of the default estimator, of the mean curve and of sRGB decoding."""
         photo = self.photograph(task)
         counts, fold = count_codes(photo), int(self._fold_of[task.row])
@@ -207,7 +207,7 @@ def run_stress(
     OutputError
         If the folder cannot be written to.
     """
-    keys, store = plan.keys(), Store(output / "stress.jsonl", Result)
+    keys, store = plan.keys(), Store(output / "stress.jsonl", CaseResult)
     missing = [task for task, key in keys.items() if f"{key} srgb" not in store.results]
     done = len(keys) - len(missing)
     progress(done, len(keys))

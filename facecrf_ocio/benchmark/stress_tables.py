@@ -16,7 +16,7 @@ from facecrf_ocio.benchmark.tables import (
     mean_of,
     number,
 )
-from facecrf_ocio.benchmark.workbench import Result
+from facecrf_ocio.benchmark.workbench import CaseResult
 from facecrf_ocio.files.atomic import Draft, write_files
 from facecrf_ocio.files.strict_json import dump
 from facecrf_ocio.values import Float, Verdict
@@ -37,13 +37,13 @@ _RMSE = "photos|median|mean|95 %|max|bias|band %"
 _BLIND = {"mean": "mean curve", "srgb": "sRGB decoding"}
 
 
-def stress_markdown(title: str, results: Sequence[Result]) -> str:
+def stress_markdown(title: str, results: Sequence[CaseResult]) -> str:
     """Both tables, and what their columns mean."""
     cells = list(dict.fromkeys(result.protocol for result in results))
     ours = grouped((r for r in results if r.estimator == "auto"), lambda r: r.protocol)
     srgb = {_photo(r): r.mid for r in results if r.estimator == "srgb"}
     blind = [cell for cell in cells if cell == "day"] + [c for c in cells if c != "day"][:1]
-    groups: list[tuple[str, list[Result]]] = list(ours.items())
+    groups: list[tuple[str, list[CaseResult]]] = list(ours.items())
     for name, label in _BLIND.items():
         of_name = grouped((r for r in results if r.estimator == name), lambda r: r.protocol)
         groups += [(f"{label}, {cell}", of_name[cell]) for cell in blind]
@@ -60,7 +60,7 @@ def stress_markdown(title: str, results: Sequence[Result]) -> str:
 
 
 def stress_files(
-    title: str, description: Mapping[str, object], results: Sequence[Result], output: Path
+    title: str, description: Mapping[str, object], results: Sequence[CaseResult], output: Path
 ) -> tuple[str, tuple[Path, ...]]:
     """Write `stress.md`, `stress.csv` and `stress.json`; returns the table and the files."""
     text = stress_markdown(title, results) + "\n"
@@ -76,12 +76,12 @@ def stress_files(
     return text, write_files(drafts, overwrite=True)
 
 
-def _photo(result: Result) -> tuple[str, str, int, str]:
+def _photo(result: CaseResult) -> tuple[str, str, int, str]:
     return result.protocol, result.image, result.row, result.response
 
 
 def _in_stops(
-    group: Sequence[Result], srgb: Mapping[tuple[str, str, int, str], float]
+    group: Sequence[CaseResult], srgb: Mapping[tuple[str, str, int, str], float]
 ) -> list[str]:
     mid, shadows = (np.array([getattr(r, name) for r in group]) for name in ("mid", "shadows"))
     vouched = [r for r in group if r.verdict == Verdict.RELIABLE]
@@ -108,7 +108,7 @@ def _in_stops(
     ]
 
 
-def _as_rmse(group: Sequence[Result]) -> list[str]:
+def _as_rmse(group: Sequence[CaseResult]) -> list[str]:
     return [
         str(len(group)),
         *(f"{value:.1f}" for value in _spread(100.0 * np.array([r.rmse for r in group]))),

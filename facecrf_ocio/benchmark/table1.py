@@ -12,7 +12,7 @@ from facecrf_ocio.benchmark.folds import fit_held_out
 from facecrf_ocio.benchmark.groups import groups_markdown, percentiles_markdown
 from facecrf_ocio.benchmark.store import Store
 from facecrf_ocio.benchmark.tables import Row, markdown, summarize, timing_markdown
-from facecrf_ocio.benchmark.workbench import Result, Workbench
+from facecrf_ocio.benchmark.workbench import CaseResult, Workbench
 from facecrf_ocio.benchmark.written import write_tables
 
 Progress = Callable[[int, int], None]
@@ -40,7 +40,7 @@ class SyntheticTable:
     """
 
     rows: tuple[Row, ...]
-    results: tuple[Result, ...]
+    results: tuple[CaseResult, ...]
     text: str
     timing: str
     files: tuple[Path, ...]
@@ -80,7 +80,7 @@ def run_synthetic(
     """
     _check_folds(plan)
     keys = plan.keys()
-    store = Store(output / "cases.jsonl", Result)
+    store = Store(output / "cases.jsonl", CaseResult)
     tasks = plan.tasks(keys, store.results)
     done = len(keys) - sum(len(task.cases) for task in tasks)
     progress(done, len(keys))
@@ -102,7 +102,7 @@ def _check_folds(plan: Plan) -> None:
 
 
 def _write_tables(
-    plan: Plan, results: tuple[Result, ...], output: Path, groups: Mapping[str, str]
+    plan: Plan, results: tuple[CaseResult, ...], output: Path, groups: Mapping[str, str]
 ) -> SyntheticTable:
     rows, timing = summarize(results), timing_markdown(results)
     tables = (

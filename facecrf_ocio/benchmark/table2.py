@@ -15,7 +15,7 @@ from facecrf_ocio.benchmark.cases import code_digest
 from facecrf_ocio.benchmark.store import Store
 from facecrf_ocio.benchmark.tables import Row, markdown, summarize
 from facecrf_ocio.benchmark.virtual_camera import count_codes
-from facecrf_ocio.benchmark.workbench import Asked, Result, Subject, measure
+from facecrf_ocio.benchmark.workbench import Asked, CaseResult, Subject, measure
 from facecrf_ocio.benchmark.written import write_tables
 from facecrf_ocio.errors import FaceCRFError, PhotoError, reason_of
 from facecrf_ocio.files.versions import versions
@@ -99,7 +99,7 @@ def run_pairs(
     PhotoError
         If no pair at all gives a response to compare with.
     """
-    store = Store(output / "cases.jsonl", Result)
+    store = Store(output / "cases.jsonl", CaseResult)
     keys: dict[str, None] = {}
     left_out = []
     progress(0, len(pairs))
@@ -131,7 +131,7 @@ def run_pairs(
 
 def _measure(
     pair: Pair, number: int, estimators: tuple[str, ...], settings: Settings
-) -> Iterator[Result]:
+) -> Iterator[CaseResult]:
     photo = read_photo(pair.encoded)
     fitted = calibrate_pair(read_photo(pair.linear), photo).estimate.curve
     grid = np.linspace(0.0, 1.0, _GRID)
@@ -150,7 +150,7 @@ def _measure(
         yield measure(subject, photo, counts, Asked(name, settings))
 
 
-def _by_estimator(results: list[Result], estimators: tuple[str, ...]) -> tuple[Result, ...]:
+def _by_estimator(results: list[CaseResult], estimators: tuple[str, ...]) -> tuple[CaseResult, ...]:
     return tuple(sorted(results, key=lambda r: (estimators.index(r.estimator), r.row)))
 
 

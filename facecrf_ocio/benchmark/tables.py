@@ -11,7 +11,7 @@ from typing import TypeVar
 import numpy as np
 
 from facecrf_ocio.benchmark.cases import HELD_OUT, PAPER
-from facecrf_ocio.benchmark.workbench import Result
+from facecrf_ocio.benchmark.workbench import CaseResult
 from facecrf_ocio.values import Verdict
 
 _Key = TypeVar("_Key", bound=Hashable)
@@ -55,7 +55,7 @@ class Row:
         Share of photos whose error in stops, over codes 64 to 235, is below that of sRGB decoding;
         None where that was not asked.
     rmse_min, rmse_median, rmse_mean, rmse_max, rmse_std
-        Of `Result.rmse` (not multiplied by 100); population standard deviation.
+        Of `CaseResult.rmse` (not multiplied by 100); population standard deviation.
     better_than_mean
         Share of photos whose RMSE is below that of the mean curve under the same protocol.
     refused, failed
@@ -99,7 +99,7 @@ def is_right(mid: float, srgb_mid: float) -> bool:
     return mid <= RIGHT and (mid < srgb_mid or mid <= RIGHT_NEAR_SRGB)
 
 
-def summarize(results: Sequence[Result]) -> tuple[Row, ...]:
+def summarize(results: Sequence[CaseResult]) -> tuple[Row, ...]:
     """One row for each protocol and estimator, in the order of the results."""
     groups = grouped(results, lambda result: (result.protocol, result.estimator))
     blind = {(r.protocol, r.image, r.row): r.rmse for r in results if r.estimator == "mean"}
@@ -107,15 +107,17 @@ def summarize(results: Sequence[Result]) -> tuple[Row, ...]:
     return tuple(_row(group, blind, srgb) for group in groups.values())
 
 
-def grouped(results: Iterable[Result], key: Callable[[Result], _Key]) -> dict[_Key, list[Result]]:
+def grouped(
+    results: Iterable[CaseResult], key: Callable[[CaseResult], _Key]
+) -> dict[_Key, list[CaseResult]]:
     """Results by key, in the order in which keys first occur."""
-    groups: dict[_Key, list[Result]] = {}
+    groups: dict[_Key, list[CaseResult]] = {}
     for result in results:
         groups.setdefault(key(result), []).append(result)
     return groups
 
 
-def _row(group: Sequence[Result], blind: _Photos, srgb: _Photos) -> Row:
+def _row(group: Sequence[CaseResult], blind: _Photos, srgb: _Photos) -> Row:
     rmse = np.array([result.rmse for result in group])
     answered = np.array([result.rmse for result in group if result.answered])
     better = [r.rmse < blind.get((r.protocol, r.image, r.row), np.inf) for r in group]
@@ -170,7 +172,7 @@ def markdown(rows: Sequence[Row]) -> str:
     return "\n\n".join([*parts, LEGEND]) + "\n"
 
 
-def timing_markdown(results: Sequence[Result]) -> str:
+def timing_markdown(results: Sequence[CaseResult]) -> str:
     """Seconds per photo, kept out of the tables because no two runs agree on them."""
     cells = []
     for name, group in grouped(results, lambda result: result.estimator).items():
@@ -184,14 +186,14 @@ def rows_csv(rows: Sequence[Row]) -> bytes:
     return _csv([field.name for field in fields(Row)], (asdict(row) for row in rows))
 
 
-def results_csv(results: Sequence[Result]) -> bytes:
+def results_csv(results: Sequence[CaseResult]) -> bytes:
     """Every case at full precision, without its time."""
-    names = [field.name for field in fields(Result) if field.name != "seconds"]
+    names = [field.name for field in fields(CaseResult) if field.name != "seconds"]
     return _csv(names, (asdict(result) for result in results))
 
 
 def results_record(
-    description: Mapping[str, object], rows: Sequence[Row], results: Sequence[Result]
+    description: Mapping[str, object], rows: Sequence[Row], results: Sequence[CaseResult]
 ) -> dict[str, object]:
     """For JSON: what was run, the table, and every case without its time."""
     cases = [asdict(result) for result in results]

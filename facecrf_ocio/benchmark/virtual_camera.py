@@ -17,7 +17,7 @@ READ_NOISE = 5.0  # [electron] standard deviation, of the same
 
 
 @dataclass(frozen=True, slots=True)
-class Encoding:
+class CameraEncoding:
     """How the camera stores a photo.
 
     Attributes
@@ -46,7 +46,7 @@ class Encoding:
 def take_photo(
     linear: npt.NDArray[np.float32],
     inverse: Float,
-    encoding: Encoding,
+    encoding: CameraEncoding,
     generator: np.random.Generator,
     primaries: Primaries | None = None,
 ) -> Photo:

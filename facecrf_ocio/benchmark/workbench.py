@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from facecrf_ocio.benchmark.cases import HELD_OUT, Case, Plan, Task
+from facecrf_ocio.benchmark.cases import HELD_OUT, Case, PhotoCases, Plan
 from facecrf_ocio.benchmark.folds import fit_held_out
 from facecrf_ocio.benchmark.joint_folds import joint_model
 from facecrf_ocio.benchmark.metrics import score
@@ -22,7 +22,7 @@ from facecrf_ocio.values import Estimate, Float, Outcome, Photo
 
 
 @dataclass(frozen=True, slots=True)
-class Result:
+class CaseResult:
     """What came of one case.
 
     Attributes
@@ -88,7 +88,7 @@ class Workbench:
         self._fitted = lru_cache(maxsize=None)(self._fit)
         self._linear = lru_cache(maxsize=1)(self._read)
 
-    def measure(self, task: Task) -> tuple[Result, ...]:
+    def measure(self, task: PhotoCases) -> tuple[CaseResult, ...]:
         """Results of a task's cases, in their order."""
         photo = self.photograph(task.image, task.row)
         counts = count_codes(photo)
@@ -118,7 +118,7 @@ class Workbench:
             return self.model(case)
         return joint_model(self._plan.responses, self._fold(case))
 
-    def _measure(self, case: Case, photo: Photo, counts: np.ndarray) -> Result:
+    def _measure(self, case: Case, photo: Photo, counts: np.ndarray) -> CaseResult:
         responses = self._plan.responses
         subject = Subject(
             protocol=case.protocol,
@@ -155,7 +155,7 @@ class Workbench:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Subject:
-    """A photo of known response: the columns of `Result` that say which, and the truth (3, K)."""
+    """A photo of known response: the columns of `CaseResult` that tell it, and the truth (3, K)."""
 
     protocol: str
     image: str
@@ -181,7 +181,7 @@ class Asked:
     told: str = "auto"
 
 
-def measure(subject: Subject, photo: Photo, counts: np.ndarray, asked: Asked) -> Result:
+def measure(subject: Subject, photo: Photo, counts: np.ndarray, asked: Asked) -> CaseResult:
     """Show a photo to an estimator and score its answer.
 
     Parameters
@@ -202,7 +202,7 @@ def measure(subject: Subject, photo: Photo, counts: np.ndarray, asked: Asked) ->
     errors = score(scored.curve, scored.confidence, subject.truth, counts)
     red, green, blue = errors.rmse_channels
     told = None if scored.confidence is None else scored.confidence.in_stops
-    return Result(
+    return CaseResult(
         protocol=subject.protocol,
         estimator=asked.estimator,
         image=subject.image,

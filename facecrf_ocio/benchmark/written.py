@@ -12,7 +12,7 @@ from facecrf_ocio.benchmark.tables import (
     rows_csv,
     timing_markdown,
 )
-from facecrf_ocio.benchmark.workbench import Result
+from facecrf_ocio.benchmark.workbench import CaseResult
 from facecrf_ocio.files.atomic import Draft, write_files
 from facecrf_ocio.files.strict_json import dump
 
@@ -22,7 +22,7 @@ def write_tables(
     text: str,
     run: Mapping[str, object],
     rows: Sequence[Row],
-    results: Sequence[Result],
+    results: Sequence[CaseResult],
 ) -> tuple[Path, ...]:
     """Write `table.md`, `table.csv`, `cases.csv`, `results.json` and `timing.md`.
 

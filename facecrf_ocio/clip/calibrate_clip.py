@@ -10,10 +10,10 @@ import numpy as np
 
 from facecrf_ocio.calibrate import calibrate
 from facecrf_ocio.clip.chosen_frames import ChosenFrame, choose_frames
-from facecrf_ocio.clip.clip_estimate import ClipEstimate, Shot, Stretch
+from facecrf_ocio.clip.clip_estimate import ClipEstimate, ClipShot, Stretch
 from facecrf_ocio.clip.curve_course import (
+    CourseLevels,
     CurveCourse,
-    Levels,
     course_of_points,
     levels_of,
     posterior_at,
@@ -168,7 +168,7 @@ class _Besides:
 
 
 def _stretches(
-    levels: Levels | None,
+    levels: CourseLevels | None,
     course: CurveCourse,
     shot: Sequence[ChosenFrame],
     besides: _Besides,
@@ -246,7 +246,7 @@ def _shots(
     pooled: Estimate,
     concluded: _Concluded,
     model: JointModel,
-) -> tuple[Shot, ...]:
+) -> tuple[ClipShot, ...]:
     """Parts between cuts, each held against the curve that the faces of all of them give."""
     found = []
     for group in groups:
@@ -254,7 +254,7 @@ def _shots(
         own = None
         if off > MISFIT_LIMIT and len(groups) > 1:
             own = _of_frames(concluded, [one.evidence for one in group])
-        found.append(Shot(tuple(one.index for one in group), own, off))
+        found.append(ClipShot(tuple(one.index for one in group), own, off))
     return tuple(found)
 
 

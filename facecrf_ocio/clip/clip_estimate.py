@@ -9,7 +9,7 @@ from facecrf_ocio.values import Estimate
 
 
 @dataclass(frozen=True, slots=True)
-class Shot:
+class ClipShot:
     """A part of a clip between cuts, as far as chosen frames tell.
 
     Attributes
@@ -75,7 +75,7 @@ class ClipEstimate:
 
     estimate: Estimate
     frames: tuple[int, ...] = ()
-    shots: tuple[Shot, ...] = ()
+    shots: tuple[ClipShot, ...] = ()
     drift: Drift = Drift()  # noqa: RUF009 -- frozen
     exposure_stops: float = 0.0
     alone: tuple[Estimate, ...] = ()
@@ -88,7 +88,7 @@ class ClipEstimate:
     def of_frame(self, index: int) -> Estimate:
         """The curve of a frame: that of the used frame nearest to it."""
         nearest = min(self.frames, key=lambda one: abs(one - index), default=index)
-        parts: tuple[Stretch | Shot, ...] = (*self.stretches, *self.shots)
+        parts: tuple[Stretch | ClipShot, ...] = (*self.stretches, *self.shots)
         for part in parts:
             if nearest in part.frames and part.estimate is not None:
                 return part.estimate

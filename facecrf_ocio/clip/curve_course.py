@@ -74,7 +74,7 @@ class Level:
 
 
 @dataclass(frozen=True, slots=True)
-class Levels:
+class CourseLevels:
     """All of a clip, and whether the curve goes evenly from one to the next or jumps."""
 
     even: bool
@@ -158,7 +158,7 @@ def posterior_at(place: float, course: CurveCourse, whole: Posterior, scale: flo
     return Posterior(whole.weights, whole.means + place * course.change, whole.covariances + wider)
 
 
-def levels_of(places: Float, times: Float) -> Levels | None:
+def levels_of(places: Float, times: Float) -> CourseLevels | None:
     """Stretches of frames that share a curve; None where their scatter hides the course.
 
     Parameters
@@ -181,7 +181,7 @@ def levels_of(places: Float, times: Float) -> Levels | None:
     if float(np.ptp(fitted)) < _CLEAR * scatter:
         return None
     cuts = at or tuple(np.searchsorted(times, np.linspace(times[0], times[-1], _PARTS + 1)[1:-1]))
-    return Levels(
+    return CourseLevels(
         not at,
         tuple(
             Level(int(a), int(b) - 1, float(fitted[a:b].mean()))

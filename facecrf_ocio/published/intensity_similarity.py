@@ -30,7 +30,7 @@ import numpy.typing as npt
 
 from facecrf_ocio.published.answer import Answer, FittedCurve
 from facecrf_ocio.published.energy.log_slope import curve_of, log_slope_prior
-from facecrf_ocio.published.energy.noise_symmetry import NoiseLevels, fit_noise
+from facecrf_ocio.published.energy.noise_symmetry import RegionNoise, fit_noise
 from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.settings import PublishedSettings
 from facecrf_ocio.values import CHANNELS, Float, Lacking, Photo
@@ -110,7 +110,7 @@ def uniform_blocks(encoded: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
     return np.asarray(found, dtype=np.float32)
 
 
-def noise_levels(blocks: Float, step: float) -> NoiseLevels:
+def noise_levels(blocks: Float, step: float) -> RegionNoise:
     """Variance and skewness of one channel of uniform blocks, by level.
 
     Parameters
@@ -147,7 +147,7 @@ def noise_levels(blocks: Float, step: float) -> NoiseLevels:
             skewness = float(cubes[here].mean()) / variance**1.5
             pixels = float(here.sum() * size)
             found.append((mean[here].mean(), variance, skewness, pixels, total / variance))
-    return NoiseLevels(*np.array(found, dtype=np.float64).reshape(-1, 5).T)
+    return RegionNoise(*np.array(found, dtype=np.float64).reshape(-1, 5).T)
 
 
 def without_rounding(variance: float, step: float) -> float:
@@ -169,7 +169,7 @@ def without_rounding(variance: float, step: float) -> float:
     return float(np.interp(in_steps, measured, noise)) * step**2
 
 
-def _lacking(channels: list[NoiseLevels], blocks: int) -> Lacking | None:
+def _lacking(channels: list[RegionNoise], blocks: int) -> Lacking | None:
     fewest = min(levels.encoded.size for levels in channels)
     if fewest < MIN_LEVELS:
         return Lacking(

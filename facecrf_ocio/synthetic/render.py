@@ -11,7 +11,7 @@ from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.synthetic.head import Material, Mesh
 from facecrf_ocio.synthetic.light import cast_shadow, reflect, shade
 from facecrf_ocio.synthetic.paint import HAIR_COLORS, FeaturePaint, paint_features
-from facecrf_ocio.synthetic.scene import FACE_VERTICES, Surface, pose_head, see, to_pixels
+from facecrf_ocio.synthetic.scene import FACE_VERTICES, SeenSurface, pose_head, see, to_pixels
 from facecrf_ocio.synthetic.scenery import background, cloth_albedo, hair_albedo
 from facecrf_ocio.synthetic.skin_layers import (
     DIRECTIONS,
@@ -95,7 +95,7 @@ def _dimming(base: Float) -> float:
     return float(min(1.0, (np.exp(base).mean() / 0.4) ** 0.7))
 
 
-def _sample(texture: Image, surface: Surface) -> Image:
+def _sample(texture: Image, surface: SeenSurface) -> Image:
     """Look a (T, T[, C]) texture up at every pixel, bilinearly; 0 in the background."""
     position = np.nan_to_num(to_texture(surface.uv), nan=-10.0).astype(np.float32)
     x, y = position[..., 0], position[..., 1]
@@ -103,7 +103,7 @@ def _sample(texture: Image, surface: Surface) -> Image:
 
 
 def _pigments_in_view(
-    surface: Surface, maps: PigmentMaps, paint: FeaturePaint
+    surface: SeenSurface, maps: PigmentMaps, paint: FeaturePaint
 ) -> tuple[Image, Image, Bool]:
     """Densities at every pixel, with redder lips, and where bare skin shows."""
     on_face = surface.material == Material.FACE
@@ -116,7 +116,7 @@ def _pigments_in_view(
 
 
 def _albedo(
-    surface: Surface, base: Float, melanin: Image, hemoglobin: Image, paint: FeaturePaint
+    surface: SeenSurface, base: Float, melanin: Image, hemoglobin: Image, paint: FeaturePaint
 ) -> Image:
     """(H, W, 3) Beer-Lambert skin under the paint."""
     densities = np.stack([melanin, hemoglobin], axis=-1)
@@ -128,7 +128,7 @@ def _albedo(
 
 
 def _add_scenery(
-    albedo: Image, surface: Surface, rng: np.random.Generator, hair: Color, base: Float
+    albedo: Image, surface: SeenSurface, rng: np.random.Generator, hair: Color, base: Float
 ) -> None:
     hair_rng, cloth_rng, wall_rng = rng.spawn(3)
     on_hair, on_cloth = surface.material == Material.HAIR, surface.material == Material.CLOTH
@@ -141,7 +141,7 @@ def _add_scenery(
 
 
 def _illuminate(
-    spec: SyntheticSpec, mesh: Mesh, surface: Surface, rng: np.random.Generator
+    spec: SyntheticSpec, mesh: Mesh, surface: SeenSurface, rng: np.random.Generator
 ) -> tuple[Image, Image]:
     """Shading up to a factor, and highlights; (H, W, 3) each."""
     normals = np.nan_to_num(surface.normals)
@@ -164,7 +164,7 @@ def _illuminate(
     return shading, specular
 
 
-def _outlines(surface: Surface) -> Bool:
+def _outlines(surface: SeenSurface) -> Bool:
     """(H, W) pixels beside a change of material; face and skull are one."""
     material = np.where(surface.material == Material.SKULL, Material.FACE, surface.material)
     material = material.astype(np.uint8)

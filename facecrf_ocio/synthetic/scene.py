@@ -17,7 +17,7 @@ FACE_VERTICES = 468  # of the landmarks' mesh, without irises
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Surface:
+class SeenSurface:
     """What each pixel of the image sees.
 
     Attributes
@@ -53,7 +53,7 @@ def to_pixels(vertices: Float, spec: SyntheticSpec) -> Float:
     return pixels
 
 
-def see(mesh: Mesh, spec: SyntheticSpec) -> Surface:
+def see(mesh: Mesh, spec: SyntheticSpec) -> SeenSurface:
     """Rasterize the posed mesh."""
     pixels = to_pixels(mesh.vertices, spec)
     normals = vertex_normals(pixels, mesh.triangles)
@@ -62,7 +62,7 @@ def see(mesh: Mesh, spec: SyntheticSpec) -> Surface:
     raster = rasterize(pixels, triangles, spec.height, spec.width)
     values = interpolate(raster, triangles, np.hstack([normals, mesh.vertices, mesh.uv]))
     length = np.linalg.norm(values[..., :3], axis=2, keepdims=True)
-    return Surface(
+    return SeenSurface(
         np.where(raster.triangle >= 0, material[raster.triangle], 0).astype(np.uint8),
         values[..., :3] / length,
         values[..., 3:6],

@@ -30,7 +30,7 @@ _FEWEST_POINTS = 60  # clear in both photos: chance gives their rank correlation
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Exposure:
+class BracketPhoto:
     """One photo that may belong to a bracket."""
 
     name: str
@@ -45,7 +45,7 @@ class Exposure:
         return log2(self.shot.exposure_s * iso / aperture**2)
 
 
-def stops_of(members: Iterable[Exposure]) -> Float:
+def stops_of(members: Iterable[BracketPhoto]) -> Float:
     """(J,) exposures of a bracket on the camera's grid."""
     shots = [one.shot for one in members]
     return exposure_stops(
@@ -53,7 +53,7 @@ def stops_of(members: Iterable[Exposure]) -> Float:
     )
 
 
-def find_brackets(exposures: Iterable[Exposure]) -> Iterator[tuple[Exposure, ...]]:
+def find_brackets(exposures: Iterable[BracketPhoto]) -> Iterator[tuple[BracketPhoto, ...]]:
     """Yield the brackets of a camera, of two photos or more.
 
     Parameters
@@ -61,7 +61,7 @@ def find_brackets(exposures: Iterable[Exposure]) -> Iterator[tuple[Exposure, ...
     exposures
         In the order of their times; each has a time and an exposure time.
     """
-    open_series: list[list[Exposure]] = []
+    open_series: list[list[BracketPhoto]] = []
     for one in exposures:
         for done in [s for s in open_series if _pause(s, one) > SECONDS]:
             open_series.remove(done)
@@ -77,12 +77,12 @@ def find_brackets(exposures: Iterable[Exposure]) -> Iterator[tuple[Exposure, ...
     yield from (tuple(series) for series in open_series if len(series) > 1)
 
 
-def _pause(series: list[Exposure], one: Exposure) -> float:
+def _pause(series: list[BracketPhoto], one: BracketPhoto) -> float:
     """[s] Between the end of the series' last exposure and the start of this one."""
     return one.shot.taken - series[-1].shot.taken - series[-1].shot.exposure_s
 
 
-def _belongs(series: list[Exposure], one: Exposure) -> bool:
+def _belongs(series: list[BracketPhoto], one: BracketPhoto) -> bool:
     """Whether a photo shows what its neighbor in exposure shows, with an exposure not yet there."""
     nearest = min(series, key=lambda member: abs(member.stops - one.stops))
     known = [(e.shot.aperture > 0.0, e.shot.iso > 0.0) for e in (nearest, one)]
@@ -92,7 +92,7 @@ def _belongs(series: list[Exposure], one: Exposure) -> bool:
     return _same_scene(nearest, one, least)
 
 
-def _same_scene(one: Exposure, other: Exposure, least: float) -> bool:
+def _same_scene(one: BracketPhoto, other: BracketPhoto, least: float) -> bool:
     """Whether two photos have the same picture up to exposure, and the longer is the brighter."""
     first, second = (_green(e.samples) for e in (one, other))
     brighter = float(second.mean()) - float(first.mean())

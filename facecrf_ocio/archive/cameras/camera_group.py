@@ -10,7 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from facecrf_ocio.archive.cameras.bracket import Exposure, stops_of
+from facecrf_ocio.archive.cameras.bracket import BracketPhoto, stops_of
 from facecrf_ocio.archive.manifest.camera_rows import different_photos, exposed_photos
 from facecrf_ocio.archive.manifest.database import Manifest
 from facecrf_ocio.archive.manifest.keys import key_of
@@ -80,19 +80,19 @@ def evidence_of(manifest: Manifest, name: str) -> PhotoEvidence:
 
 def exposures(
     manifest: Manifest, camera: str, recipe_sha256: str, bracket: str | None = None
-) -> Iterator[Exposure]:
+) -> Iterator[BracketPhoto]:
     """A camera's photos, or a bracket's, that tell time and exposure; each content once."""
     for name, sha256, shot in exposed_photos(manifest, camera, recipe_sha256, bracket):
-        yield Exposure(name, sha256, shot, manifest.gathered(name).samples)
+        yield BracketPhoto(name, sha256, shot, manifest.gathered(name).samples)
 
 
-def solve(members: tuple[Exposure, ...]) -> BracketCurve:
+def solve(members: tuple[BracketPhoto, ...]) -> BracketCurve:
     """The curve that a bracket gives."""
     return solve_bracket([read_samples(one.samples) for one in members], stops_of(members))
 
 
 def bracket_estimate(
-    members: tuple[Exposure, ...], solved: BracketCurve, camera: Estimate | None
+    members: tuple[BracketPhoto, ...], solved: BracketCurve, camera: Estimate | None
 ) -> Estimate | None:
     """What the photos of a bracket get, None if they get their camera's curve."""
     if solved.problem or solved.found is None:
@@ -183,7 +183,7 @@ def _levels() -> Float:
     return np.linspace(0.0, 1.0, 4096)
 
 
-def _hits(members: tuple[Exposure, ...]) -> Float:
+def _hits(members: tuple[BracketPhoto, ...]) -> Float:
     """(3, 256) share of the points at each code value, relative to where they are densest."""
     codes = np.concatenate([read_samples(one.samples) for one in members])
     counts = np.stack([np.bincount(codes[:, c], minlength=256) for c in range(3)]).astype(

@@ -10,7 +10,7 @@ import hashlib
 from collections.abc import Callable
 from dataclasses import replace
 
-from facecrf_ocio.archive.cameras.bracket import Exposure, find_brackets
+from facecrf_ocio.archive.cameras.bracket import BracketPhoto, find_brackets
 from facecrf_ocio.archive.cameras.camera_group import (
     CameraCurve,
     bracket_estimate,
@@ -145,7 +145,7 @@ class _Camera:
             record_bracket(self.manifest, row)
             self.of_bracket.update({one.sha256: (row.name, row.curve_sha256) for one in found})
 
-    def _bracket_row(self, found: tuple[Exposure, ...]) -> BracketRow:
+    def _bracket_row(self, found: tuple[BracketPhoto, ...]) -> BracketRow:
         camera, solved = self.curve.estimate, solve(found)
         estimate = bracket_estimate(found, solved, camera)
         error = -1.0

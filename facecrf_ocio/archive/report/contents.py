@@ -16,7 +16,7 @@ KINDS = ("reliable", "weak", "prior only", "no curve", "failed", "unfinished")
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class PhotoRow:
     """One photo of the manifest; what an older manifest does not have is empty or 0.
 
     Attributes
@@ -111,7 +111,7 @@ class Archive:
 
     folder: Path
     source: Path | None
-    rows: tuple[Row, ...]
+    rows: tuple[PhotoRow, ...]
     groups: tuple[Group, ...]
     brackets: tuple[Bracket, ...]
     misfits: frozenset[str] = frozenset()
@@ -156,8 +156,8 @@ def _camera(fields: Fields) -> tuple[str, str, str, str]:
     return fields.text("make"), fields.text("model"), fields.text("serial"), fields.text("software")
 
 
-def _row(fields: Fields) -> Row:
-    return Row(
+def _row(fields: Fields) -> PhotoRow:
+    return PhotoRow(
         name=fields.name("name"),
         size=fields.whole("size"),
         mtime_ns=fields.whole("mtime_ns"),
@@ -177,10 +177,10 @@ def _row(fields: Fields) -> Row:
     )
 
 
-def _misfits(rows: Sequence[Row], groups: Sequence[Group]) -> frozenset[str]:
+def _misfits(rows: Sequence[PhotoRow], groups: Sequence[Group]) -> frozenset[str]:
     """The members that lie farthest from their camera's curve, as many as the camera counted."""
     counts = {group.key: group.misfits for group in groups if group.misfits}
-    members: dict[str, list[Row]] = {}
+    members: dict[str, list[PhotoRow]] = {}
     for row in rows:
         if row.group in counts:
             members.setdefault(row.group, []).append(row)

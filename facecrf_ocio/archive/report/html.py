@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from facecrf_ocio import __version__
-from facecrf_ocio.archive.report.contents import KINDS, Archive, Bracket, Group, Row
+from facecrf_ocio.archive.report.contents import KINDS, Archive, Bracket, Group, PhotoRow
 from facecrf_ocio.archive.report.page_source import ARCHIVE_PAGE, around
 from facecrf_ocio.archive.report.pictures import Pictures
 from facecrf_ocio.archive.report.reason_kinds import reason_kinds
@@ -196,7 +196,7 @@ def _told(shown: Pictures | None, name: str) -> str:
     return said if isinstance(said, str) else "\n".join(said)
 
 
-def _endings(row: Row, shown: Pictures | None) -> Iterable[str]:
+def _endings(row: PhotoRow, shown: Pictures | None) -> Iterable[str]:
     """Names of a photo's files, with `*` for what most begin with: the photo's name."""
     files = () if shown is None else shown.files
     return (f"*{n.removeprefix(row.name)}" if n.startswith(row.name) else n for n in files)

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageOps
 
-from facecrf_ocio.archive.report.contents import Archive, Row
+from facecrf_ocio.archive.report.contents import Archive, PhotoRow
 from facecrf_ocio.archive.report.pictures import Pictures, with_images
 from facecrf_ocio.archive.report.record_summary import Summary, summary_in, summary_of_record
 from facecrf_ocio.archive.task import Thumbnail
@@ -40,7 +40,7 @@ class Kept:
     summary: str = ""
 
 
-def pictures_of(archive: Archive, row: Row, kept: Kept = Kept(), large: int = 0) -> Pictures:
+def pictures_of(archive: Archive, row: PhotoRow, kept: Kept = Kept(), large: int = 0) -> Pictures:
     """Take the thumbnail and the summary that were kept; or read the photo, and its record.
 
     The photo is read, without being changed, where none was kept, or large ones are wanted.
@@ -75,7 +75,7 @@ class _MissingError(Exception):
     """A photo of which there is no picture; the text says why."""
 
 
-def _with_files(archive: Archive, row: Row, summary: Summary) -> Pictures:
+def _with_files(archive: Archive, row: PhotoRow, summary: Summary) -> Pictures:
     """With names of the photo's files below the outputs: LUTs, the EXR if any, the record."""
     folder = PurePosixPath(row.name).parent
     exr = output_name(row.name, EXR)
@@ -84,13 +84,13 @@ def _with_files(archive: Archive, row: Row, summary: Summary) -> Pictures:
     return replace(summary.shown, files=(*luts, *exrs, output_name(row.name, RECORD)))
 
 
-def _path(source: Path | None, row: Row) -> Path:
+def _path(source: Path | None, row: PhotoRow) -> Path:
     if source is None:
         raise _MissingError(GONE)
     return source / PurePosixPath(row.name)
 
 
-def _require_unchanged(source: Path | None, row: Row) -> None:
+def _require_unchanged(source: Path | None, row: PhotoRow) -> None:
     try:
         status = _path(source, row).stat()
     except (OSError, ValueError):
@@ -99,7 +99,7 @@ def _require_unchanged(source: Path | None, row: Row) -> None:
         raise _MissingError(CHANGED)
 
 
-def _sidecar(folder: Path, row: Row) -> tuple[Sidecar | None, str]:
+def _sidecar(folder: Path, row: PhotoRow) -> tuple[Sidecar | None, str]:
     """The photo's record, and what is wrong if it should be there and is not."""
     if not row.curve and row.kind in ("no curve", "unfinished"):
         return None, ""

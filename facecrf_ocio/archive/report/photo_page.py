@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from facecrf_ocio.archive.report.contents import KINDS, Archive, Row
+from facecrf_ocio.archive.report.contents import KINDS, Archive, PhotoRow
 from facecrf_ocio.archive.report.html import page_draft, render, this_minute
 from facecrf_ocio.archive.report.links import relative_url, require_page
 from facecrf_ocio.archive.report.page_source import PHOTO_PAGE
@@ -66,10 +66,10 @@ def _address(page: Path, photo: Photo) -> str:
     return "" if photo.path is None else relative_url(page, photo.path.parent)
 
 
-def _row(photo: Photo, estimate: Estimate) -> Row:
+def _row(photo: Photo, estimate: Estimate) -> PhotoRow:
     verdict = "" if estimate.confidence is None else str(estimate.confidence.verdict)
     camera = photo.camera
-    return Row(
+    return PhotoRow(
         name="photo in memory" if photo.path is None else photo.path.name,
         size=0 if photo.path is None else photo.path.stat().st_size,
         mtime_ns=0,

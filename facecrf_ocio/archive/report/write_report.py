@@ -11,7 +11,7 @@ from facecrf_ocio.archive.check_outputs import REPORT
 from facecrf_ocio.archive.manifest.read_only import Reader, reading
 from facecrf_ocio.archive.manifest.summary_rows import summary_text_in
 from facecrf_ocio.archive.manifest.thumbnail_rows import thumbnail_in
-from facecrf_ocio.archive.report.contents import Archive, Row, read_archive
+from facecrf_ocio.archive.report.contents import Archive, PhotoRow, read_archive
 from facecrf_ocio.archive.report.html import page_draft, render, this_minute
 from facecrf_ocio.archive.report.links import relative_url, require_page
 from facecrf_ocio.archive.report.look_again import Kept, pictures_of
@@ -100,7 +100,7 @@ def _pictures(
     )[: counts[0]]
     large = {row.name for row in chosen[: counts[1]]}
 
-    def pictures(row: Row, kept: Kept) -> Pictures:
+    def pictures(row: PhotoRow, kept: Kept) -> Pictures:
         made = pictures_of(archive, row, kept, LARGE_SIDE if row.name in large else 0)
         watch(len(chosen))
         return made
@@ -112,6 +112,6 @@ def _pictures(
         return {row.name: pictures for row, pictures in zip(chosen, found, strict=True)}
 
 
-def _kept(manifest: Reader, row: Row, folder: Path) -> Kept:
+def _kept(manifest: Reader, row: PhotoRow, folder: Path) -> Kept:
     thumbnail = thumbnail_in(manifest, row.name, row.sha256)
     return Kept(thumbnail, summary_text_in(manifest, row.name, folder))

@@ -80,7 +80,7 @@ def _comparisons(
     from facecrf_ocio.benchmark.energy_profiles import compare
     from facecrf_ocio.benchmark.images import find_linear_images
     from facecrf_ocio.benchmark.responses import read_responses, spread_rows
-    from facecrf_ocio.benchmark.virtual_camera import Encoding, take_photo
+    from facecrf_ocio.benchmark.virtual_camera import CameraEncoding, take_photo
 
     responses = read_responses(curves)
     rows = spread_rows(len(responses.inverse), limit=limit_curves)
@@ -88,7 +88,7 @@ def _comparisons(
     for number, image in enumerate(find_linear_images(faces, pattern).images):
         row = rows[number % len(rows)]
         truth = responses.inverse[row]
-        photo = take_photo(image.read().encoded, truth, Encoding(), np.random.default_rng(0))
+        photo = take_photo(image.read().encoded, truth, CameraEncoding(), np.random.default_rng(0))
         name = f"{image.path.stem}, {responses.names[row]}"
         compared.append(compare(name, photo, truth, estimators, Settings()))
     return tuple(compared)

@@ -32,10 +32,10 @@ def plan(
     from facecrf_ocio.benchmark.cases import Plan, choose_estimators
     from facecrf_ocio.benchmark.images import find_linear_images
     from facecrf_ocio.benchmark.responses import read_responses, spread_rows
-    from facecrf_ocio.benchmark.virtual_camera import Encoding
+    from facecrf_ocio.benchmark.virtual_camera import CameraEncoding
 
     chosen, settings = choose_estimators(estimators), _settings(assignments)
-    encoding = Encoding(rest["bits"], rest["jpeg"], rest["noise"])
+    encoding = CameraEncoding(rest["bits"], rest["jpeg"], rest["noise"])
     responses = read_responses(curves)
     found = find_linear_images(faces, pattern)
     left_out(found.left_out)

@@ -46,7 +46,7 @@ MAX_STEP = 1.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class NoiseLevels:
+class RegionNoise:
     """Noise of one channel in uniform regions of several brightness levels.
 
     Attributes
@@ -97,7 +97,7 @@ class _Linearized:
     is_skewness: Bool
 
 
-def fit_noise(channels: Sequence[NoiseLevels], prior: LogSlopePrior) -> NoiseFit:
+def fit_noise(channels: Sequence[RegionNoise], prior: LogSlopePrior) -> NoiseFit:
     """Most likely log slopes and noise parameters, by Gauss-Newton steps.
 
     The formulas above are of first order. Their difference to the exact moments of Gaussian noise
@@ -138,7 +138,7 @@ def fit_noise(channels: Sequence[NoiseLevels], prior: LogSlopePrior) -> NoiseFit
     return NoiseFit(unknowns[:INTERVALS], shot / full, read / full**2)
 
 
-def _linearize_all(channels: Sequence[NoiseLevels], unknowns: Float, *, exact: bool) -> _Linearized:
+def _linearize_all(channels: Sequence[RegionNoise], unknowns: Float, *, exact: bool) -> _Linearized:
     """All channels below one another; log slopes are common, log A and log B are each one's own."""
     parts = []
     for index, levels in enumerate(channels):
@@ -158,7 +158,7 @@ def _linearize_all(channels: Sequence[NoiseLevels], unknowns: Float, *, exact: b
     )
 
 
-def _linearize(levels: NoiseLevels, unknowns: Float, *, exact: bool) -> _Linearized:
+def _linearize(levels: RegionNoise, unknowns: Float, *, exact: bool) -> _Linearized:
     """Model minus data, log variance first and skewness after it, and their derivatives."""
     log_slopes, shot, read = unknowns[:-2], np.exp(unknowns[-2]), np.exp(unknowns[-1])
     reader = interpolation_rows(levels.encoded)
@@ -243,7 +243,7 @@ def _curvature_rows(encoded: Float) -> Float:
     return np.asarray(rows / (2.0 * half))
 
 
-def _first_noise(channels: Sequence[NoiseLevels], log_slopes: Float) -> Float:
+def _first_noise(channels: Sequence[RegionNoise], log_slopes: Float) -> Float:
     """Log A and log B of each channel if the curve were the prior's mean."""
     found = []
     for levels in channels:
