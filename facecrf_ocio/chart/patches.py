@@ -34,8 +34,6 @@ class Patches:
         patch.
     usable
         (24, 3) neither clipped nor drowned.
-    smallest
-        [px] in the patch that shows fewest.
     """
 
     mean: Float
@@ -43,7 +41,6 @@ class Patches:
     slope: Float
     slope_deviation: Float
     usable: Bool
-    smallest: int
 
 
 def glance(encoded: npt.NDArray[np.float32], homography: Float) -> Float | None:
@@ -70,9 +67,7 @@ def measure_patches(encoded: npt.NDArray[np.float32], homography: Float) -> Patc
             if inside is None:
                 return None
             found.append(_plane(*inside))
-    columns = (np.array(part) for part in zip(*found, strict=True))
-    mean, deviation, slope, slope_deviation, usable, count = columns
-    return Patches(mean, deviation, slope, slope_deviation, usable, int(count.min()))
+    return Patches(*(np.array(part) for part in zip(*found, strict=True)))
 
 
 def _pixels(
@@ -95,8 +90,8 @@ def _pixels(
     return np.asarray(encoded[top:bottom, left:right][y, x], np.float64), places
 
 
-def _plane(codes: Float, places: Float) -> tuple[Float, Float, Float, Float, Bool, int]:
-    """Fit a plane to each channel, glints and dust left out."""
+def _plane(codes: Float, places: Float) -> tuple[Float, Float, Float, Float, Bool]:
+    """Fit a plane to each channel, glints and dust left out: a row of `Patches`."""
     design = np.column_stack([np.ones(len(places)), places])
     rows = []
     for channel in range(3):
@@ -112,4 +107,4 @@ def _plane(codes: Float, places: Float) -> tuple[Float, Float, Float, Float, Boo
     planes, deviations = (np.array(part) for part in zip(*rows, strict=True))
     clipped = ((codes < _CLIPPED[0]) | (codes > _CLIPPED[1])).mean(axis=0)
     usable = clipped <= _MOST_CLIPPED
-    return (planes[:, 0], deviations[:, 0], planes[:, 1:], deviations[:, 1:], usable, len(codes))
+    return planes[:, 0], deviations[:, 0], planes[:, 1:], deviations[:, 1:], usable

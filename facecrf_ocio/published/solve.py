@@ -36,14 +36,11 @@ class Solution:
         Each term's name and weighted value at the minimum.
     converged
         Whether the solver met its tolerance before its limit of iterations.
-    evaluations
-        Number of evaluations of the objective.
     """
 
     coefficients: Float
     energy: tuple[tuple[str, float], ...]
     converged: bool
-    evaluations: int
 
     @property
     def total(self) -> float:
@@ -90,7 +87,7 @@ def solve(model: ResponseModel, terms: Sequence[Weighted], *, shared: bool) -> S
     coefficients = np.array(unpack(result.x))
     samples = model.samples(coefficients)
     energy = tuple((t.name, t.weight * t.term.value_and_gradient(samples)[0]) for t in terms)
-    return Solution(coefficients, energy, bool(result.success), int(result.nfev))
+    return Solution(coefficients, energy, bool(result.success))
 
 
 def objective(

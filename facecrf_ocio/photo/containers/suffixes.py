@@ -5,7 +5,6 @@ The one table of them all: whoever looks for photos, or opens one, asks here.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import PurePath
 
@@ -124,8 +123,3 @@ def kind_named(path: PurePath) -> Kind | None:
 def suffixes_named(*names: str) -> frozenset[str]:
     """Suffixes of the kinds of these names."""
     return frozenset(suffix for suffix, kind in _OF_SUFFIX.items() if kind.name in names)
-
-
-def suffixes_of(reader: str) -> Iterator[str]:
-    """Suffixes of the kinds that one reader reads."""
-    return (suffix for suffix, kind in _OF_SUFFIX.items() if kind.reader == reader)

@@ -45,12 +45,6 @@ def code_values(codes: Pixels, bits: int) -> Float32:
     return np.asarray(codes, np.float32)
 
 
-def code_grid(bits: int) -> Float32:
-    """(2**bits,) every code value, divided by the largest."""
-    maximum = 2**bits - 1
-    return np.asarray(np.arange(maximum + 1) / maximum, np.float32)
-
-
 def eight_bit(pixels: Pixels) -> npt.NDArray[np.uint8]:
     """Codes of 8 bits as they are, or encoded values in [0, 1] rounded to them."""
     if pixels.dtype == np.uint8:
