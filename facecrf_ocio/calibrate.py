@@ -44,6 +44,7 @@ from facecrf_ocio.values import (
     Photo,
     Verdict,
 )
+from facecrf_ocio.wording.assumption_words import primaries_assumed
 
 _Model = TypeVar("_Model")
 
@@ -267,12 +268,8 @@ def _apart(estimate: Estimate) -> bool:
 
 def assumptions_of(photo: Photo) -> tuple[str, ...]:
     """What a curve cannot tell, and what stands in for it."""
-    if photo.primaries is None:
-        primaries = "primaries are not known and taken as Rec.709 with a D65 white"
-    else:
-        primaries = f"primaries are {photo.primaries.name}, from the {photo.primaries.source}"
     return (
-        primaries,
+        primaries_assumed(photo.primaries),
         "linear light is relative: exposure is known only up to one scale",
         "the camera applied one curve per channel, alike over the whole photo",
         *(f"of the file: {note}" for note in photo.notes),

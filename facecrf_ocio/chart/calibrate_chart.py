@@ -29,6 +29,7 @@ from facecrf_ocio.values import (
     Outcome,
     Photo,
 )
+from facecrf_ocio.wording.assumption_words import RELATIVE_TO_WHITE
 
 FEWEST_GRAYS = 4
 """Patches of the gray row that must be neither clipped nor drowned, in every channel."""
@@ -123,7 +124,7 @@ def calibrate_chart(
         confidence=_confidence(fit, found, patches, prior),
         coefficients=coefficients,
         assumptions=(
-            "linear light is relative: 1 is what the highest code stands for",
+            RELATIVE_TO_WHITE,
             f"the patches reflect what X-Rite published for charts of {_made(edition)}",
             f"light differs by {fall:.2f} stops along the gray row, by slopes within the patches",
         ),

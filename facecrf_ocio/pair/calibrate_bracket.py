@@ -15,6 +15,7 @@ from facecrf_ocio.photo.shot import Shot
 from facecrf_ocio.response.coverage import coverage_at, coverage_counts
 from facecrf_ocio.response.expected_stops import verdict_of
 from facecrf_ocio.values import Confidence, Estimate, Float, Outcome, Photo, Verdict
+from facecrf_ocio.wording.assumption_words import RELATIVE_TO_WHITE
 
 _RELIABLE_RESIDUAL = 0.08  # [stop]
 _SAME_APERTURE = 1e-3  # f-numbers are written with one decimal or two
@@ -93,7 +94,7 @@ def calibrate_bracket(
             solved.in_stops,
         ),
         assumptions=(
-            "linear light is relative: 1 is what the highest code stands for",
+            RELATIVE_TO_WHITE,
             "the camera's exposures are not stretched as a whole: one stop is one stop",
         ),
     )

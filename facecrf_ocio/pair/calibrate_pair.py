@@ -24,6 +24,7 @@ from facecrf_ocio.values import (
     Outcome,
     Photo,
 )
+from facecrf_ocio.wording.assumption_words import RELATIVE_TO_WHITE, primaries_assumed
 
 MIN_SAMPLES = 300  # [px] eight for each unknown of a channel's fit
 MIN_SPAN = 0.25
@@ -155,13 +156,9 @@ def _mismatch(linear: Photo, encoded: Photo, evidence: str) -> PhotoError:
 
 def _assumptions(encoded: Photo, matrix: Float) -> tuple[str, ...]:
     rows = "; ".join(" ".join(f"{value:.4f}" for value in row) for row in matrix)
-    if encoded.primaries is None:
-        primaries = "primaries are not known and taken as Rec.709 with a D65 white"
-    else:
-        primaries = f"primaries are {encoded.primaries.name}, from the {encoded.primaries.source}"
     return (
-        primaries,
-        "linear light is relative: 1 is what the highest code stands for",
+        primaries_assumed(encoded.primaries),
+        RELATIVE_TO_WHITE,
         "the camera applied a 3 x 3 matrix and one curve per channel, alike over the whole photo; "
         f"rows of the matrix: {rows}",
     )
