@@ -249,7 +249,7 @@ def test_thinned_numbers_out_of_order_are_no_record(at: object, tmp_path: Path) 
     path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
     confidence = json.loads(path.read_text("utf-8"))["confidence"]
     odd = {**confidence, "sigma": [{"at": at, "is": [0.1, 0.2, 0.3]}]}
-    with pytest.raises(LutError, match=r"a\.crf\.json: is not a sidecar of facecrf"):
+    with pytest.raises(LutError, match=r"a\.crf\.json: is no record of facecrf"):
         read_sidecar(damaged(path, confidence=odd))
 
 
@@ -346,7 +346,7 @@ BAD_RECORDS: dict[str, dict[str, Any]] = {
 @pytest.mark.parametrize("name", BAD_RECORDS)
 def test_a_changed_sidecar_is_told_in_one_line(name: str, tmp_path: Path) -> None:
     path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
-    with pytest.raises(LutError, match=r"a\.crf\.json: is not a sidecar of facecrf") as caught:
+    with pytest.raises(LutError, match=r"a\.crf\.json: is no record of facecrf") as caught:
         read_sidecar(damaged(path, **BAD_RECORDS[name]))
     assert "\n" not in str(caught.value)
 
@@ -357,7 +357,7 @@ def test_a_changed_sidecar_is_told_in_one_line(name: str, tmp_path: Path) -> Non
 def test_other_files_are_told_in_one_line(content: bytes, tmp_path: Path) -> None:
     path = tmp_path / "a.crf.json"
     path.write_bytes(content)
-    with pytest.raises(LutError, match=r"a\.crf\.json: is not a sidecar of facecrf") as caught:
+    with pytest.raises(LutError, match=r"a\.crf\.json: is no record of facecrf") as caught:
         read_sidecar(path)
     assert "\n" not in str(caught.value)
 
@@ -387,7 +387,7 @@ def test_a_missing_sidecar_is_told(tmp_path: Path) -> None:
 )
 def test_absurd_numbers_and_names_are_refused_at_once(tmp_path: Path, absurd: Any) -> None:
     path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
-    with pytest.raises(LutError, match="is not a sidecar of facecrf, or was changed"):
+    with pytest.raises(LutError, match="is no record of facecrf, or was changed"):
         read_sidecar(damaged(path, **absurd))
 
 

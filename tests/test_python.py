@@ -59,7 +59,7 @@ def test_no_photos_at_all_are_told():
 
 def test_a_photo_given_for_a_record_is_told_in_a_few_words(tmp_path):
     Image.fromarray(np.full((9, 9, 3), 200, np.uint8)).save(tmp_path / "a.jpg")
-    with pytest.raises(LutError, match=r"is not a sidecar of facecrf; name a \.crf\.json$"):
+    with pytest.raises(LutError, match=r"is no record of facecrf; name a \.crf\.json$"):
         read_curve(tmp_path / "a.jpg")
 
 

@@ -161,10 +161,10 @@ def _read(path: Path, parse: Callable[[Any], _T]) -> _T:
     except LutError:
         raise
     except UnicodeDecodeError as error:  # which would quote all of it
-        raise LutError(f"{path}: is not a sidecar of facecrf; name a .crf.json") from error
+        raise LutError(f"{path}: is no record of facecrf; name a .crf.json") from error
     except (FaceCRFError, *_DAMAGE) as error:
         raise LutError(
-            f"{path}: is not a sidecar of facecrf, or was changed "
+            f"{path}: is no record of facecrf, or was changed "
             f"({type(error).__name__}: {plain_text(error, limit=200)}); "
             "calibrate the photo again"
         ) from error
