@@ -7,14 +7,11 @@ off to `published/estimate.py`. All of them are listed in `estimators.py`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import TypeVar
 
 import numpy as np
 
-from facecrf_ocio.color.signals import decode_film_scan, decode_hlg, decode_log, decode_pq
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.estimators import (
     ESTIMATORS,
@@ -33,11 +30,11 @@ from facecrf_ocio.response.model import (
     dorf_model,
     strictly_increasing,
 )
+from facecrf_ocio.response.signal_curves import signal_curve
 from facecrf_ocio.settings import PRIORS, Settings
 from facecrf_ocio.values import (
     Confidence,
     Estimate,
-    Float,
     InStops,
     InverseCRF,
     Outcome,
@@ -175,65 +172,37 @@ def _doubted(estimate: Estimate, photo: Photo, most_scatter: float) -> Estimate:
 
 def _already_linear(photo: Photo) -> Estimate:
     encoded = np.linspace(0.0, 1.0, CURVE_SIZE)
+    identity = InverseCRF(encoded, np.tile(encoded, (3, 1)))
     return Estimate(
         Outcome.ALREADY_LINEAR,
         "none",
         "the file is scene-linear already, so its inverse response is the identity",
-        found=InverseCRF(encoded, np.tile(encoded, (3, 1))),
-        confidence=Confidence(
-            np.zeros((3, CURVE_SIZE)),
-            np.ones((3, CURVE_SIZE)),
-            Verdict.RELIABLE,
-            ("linear by the file's format: nothing was estimated",),
-            InStops(np.zeros((3, 256)), 0.0, 0.0),
+        found=identity,
+        confidence=_exact(
+            identity, Verdict.RELIABLE, "linear by the file's format: nothing was estimated"
         ),
         assumptions=assumptions_of(photo),
     )
-
-
-_UNGRADED = "the scene's only if nobody graded the picture"
-# Curves that a file may name, by whom they are defined, and what their light is. The logarithms
-# (code points 9 and 10) reach over 2 and 2.5 decades.
-_NAMED: dict[str, tuple[Callable[[Float], Float], str, str]] = {
-    "PQ": (
-        decode_pq,
-        "ITU-R BT.2100",
-        "a display's, after grading, and not proven to be the scene's",
-    ),
-    "HLG": (decode_hlg, "ITU-R BT.2100", _UNGRADED),
-    "log 100:1": (partial(decode_log, decades=2.0), "ITU-T H.273", _UNGRADED),
-    "log 316:1": (partial(decode_log, decades=2.5), "ITU-T H.273", _UNGRADED),
-    "Cineon log": (
-        decode_film_scan,
-        "Kodak, 1995",
-        "the scene's by a straight line for all films, bent where theirs are, if nobody graded it",
-    ),
-}
-_NAMED_SIZE = 4096
-"""Samples of such a curve: linear between them, PQ is met within 0.2 % from code 16 of 255 on."""
 
 
 def _named_by_file(photo: Photo) -> Estimate:
     """The curve that the file names, exactly; there is nothing to estimate."""
-    decode, source, light = _NAMED[photo.named_curve]
-    encoded = np.linspace(0.0, 1.0, _NAMED_SIZE)
-    # A curve must rise, also where it shows no light yet: by a billionth of white.
-    linear = np.maximum(decode(encoded), 1e-9 * encoded)
-    linear[0], linear[-1] = 0.0, 1.0  # but for rounding
+    curve, source, light = signal_curve(photo.named_curve)
     return Estimate(
         Outcome.NAMED,
         "none",
         f"the file names {photo.named_curve} ({source}), used exactly; its light is {light}",
-        found=InverseCRF(encoded, np.tile(linear, (3, 1))),
-        confidence=Confidence(
-            np.zeros((3, _NAMED_SIZE)),
-            np.ones((3, _NAMED_SIZE)),
-            Verdict.WEAK,
-            (f"the curve is exact, but the light is {light}",),
-            InStops(np.zeros((3, 256)), 0.0, 0.0),
-        ),
+        found=curve,
+        confidence=_exact(curve, Verdict.WEAK, f"the curve is exact, but the light is {light}"),
         assumptions=assumptions_of(photo),
     )
+
+
+def _exact(curve: InverseCRF, verdict: Verdict, reason: str) -> Confidence:
+    """Of a curve that was not estimated, and has no error of its own."""
+    shape = curve.linear.shape
+    free = InStops(np.zeros((3, 256)), 0.0, 0.0)
+    return Confidence(np.zeros(shape), np.ones(shape), verdict, (reason,), free)
 
 
 def _fixed_curve(name: str, photo: Photo, model: ResponseModel) -> Estimate:
