@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from facecrf_ocio.chart.find_chart import to_pixels
 from facecrf_ocio.chart.reflectances import COLUMNS, ROWS
+from facecrf_ocio.response.robust import robust_deviation
 from facecrf_ocio.values import Bool, Float
 
 _INNER = 0.25  # of the distance between patches: half of the square that is looked at
@@ -99,7 +100,7 @@ def _plane(codes: Float, places: Float) -> tuple[Float, Float, Float, Float, Boo
         for _ in range(2):
             plane, *_ = np.linalg.lstsq(design[kept], codes[kept, channel], rcond=None)
             away = codes[:, channel] - design @ plane
-            spread = 1.4826 * float(np.median(np.abs(away[kept]))) + 0.5 / 255.0
+            spread = robust_deviation(away[kept]) + 0.5 / 255.0
             kept = np.abs(away) < _FAR * spread
         noise = float(away[kept].std())
         alike = noise**2 * _ALIKE * np.diagonal(np.linalg.inv(design[kept].T @ design[kept]))

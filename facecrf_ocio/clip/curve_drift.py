@@ -26,18 +26,16 @@ from facecrf_ocio.clip.light_parts import (
     smooth_fields,
     start_curve,
 )
-from facecrf_ocio.clip.point_values import centered
+from facecrf_ocio.clip.point_values import centered, expected_noise
 from facecrf_ocio.clip.tracked_points import TrackedPoints
 from facecrf_ocio.joint.prior import FamilyPrior, Posterior
+from facecrf_ocio.response.robust import biweight_of_squares, robust_deviation
 from facecrf_ocio.values import CHANNELS, Float, Index, InverseCRF
 
 # F of a change from which it is told, by 230 clips: of 115 with one 93 show more, without one ten.
 _SURE = 7.5
 _ROUNDS = 3  # of places on the curve
 _REWEIGHTED = 2  # times a round
-_FLOOR = 0.02  # [stop] what points differ by at best
-_CODE_NOISE = 0.5  # [code value] of a patch's mean
-_TUKEY = 4.685  # 95 % efficient for Gaussian residuals
 _LEAST_SCALE = 0.1  # of residuals to the noise that was expected
 # A point's own noise is taken from its values, beside so many of the usual: those at edges, and
 # where light moves, count less.
@@ -177,11 +175,12 @@ class _Step:
 def _change(codes: Float, curve: StartCurve, placed: Placed, tile: Index) -> _Change:
     first = np.flatnonzero(np.diff(placed.point, prepend=-1))
     light, known = curve.light(codes), precision_of(curve, placed)
-    weights = _noise(codes, curve) ** -2.0
+    weights = expected_noise(curve.slope(codes)) ** -2.0
     fitted = curve.codes(light - _alone(light, weights, placed, first))
     for _ in range(_ROUNDS):
         # Columns are those of fitted codes: noise would be in them and in what they explain.
-        columns, noise = columns_at(fitted, curve, placed), _noise(fitted, curve)
+        columns = columns_at(fitted, curve, placed)
+        noise = expected_noise(curve.slope(fitted))
         for _ in range(_REWEIGHTED):
             step = _step(columns, light, weights, known, placed, first)
             weights = _weights(step.left / noise, first) / noise**2
@@ -197,11 +196,6 @@ def _change(codes: Float, curve: StartCurve, placed: Placed, tile: Index) -> _Ch
         step.exposures,
         moving_light(step.parts, curve, placed),
     )
-
-
-def _noise(codes: Float, curve: StartCurve) -> Float:
-    """(V,) [stop] that is expected at codes."""
-    return np.asarray(np.hypot(_FLOOR, curve.slope(codes) * _CODE_NOISE / 255.0))
 
 
 def _alone(light: Float, weights: Float, placed: Placed, first: Index) -> Float:
@@ -236,13 +230,12 @@ def _step(
 
 def _weights(standard: Float, first: Index) -> Float:
     """(V,) by residuals in units of the noise that was expected, and by each point's own noise."""
-    scale = max(1.4826 * float(np.median(np.abs(standard))), _LEAST_SCALE)
+    scale = max(robust_deviation(standard), _LEAST_SCALE)
     standard = standard / scale
     count = np.diff(first, append=len(standard))
     own = np.add.reduceat(np.minimum(standard**2, _MOST_NOISE), first)
     variance = np.repeat((_USUAL + own) / (_USUAL + count), count)
-    inside = np.clip(1.0 - standard**2 / variance / _TUKEY**2, 0.0, 1.0)
-    return np.asarray(inside**2 / (variance * scale**2))
+    return np.asarray(biweight_of_squares(standard**2 / variance) / (variance * scale**2))
 
 
 def _judged(found: Sequence[_Change], curve: StartCurve, placed: Placed, times: Float) -> Drift:

@@ -8,9 +8,9 @@ import numpy as np
 
 from facecrf_ocio.clip.tracked_points import TrackedPoints
 from facecrf_ocio.joint.prior import FamilyPrior
+from facecrf_ocio.response.robust import biweight, robust_deviation
 from facecrf_ocio.values import CHANNELS, Bool, Float
 
-_TUKEY = 4.685  # 95 % efficient for Gaussian residuals
 _CODE_NOISE = 0.5  # [code value] of a patch's mean, with what codecs do to it
 _FLOOR = 0.02  # [stop] what points differ by at best: lights that flicker, vignetting, shading
 _NEWTON = 3  # steps from a code to that of its fitted light
@@ -88,8 +88,7 @@ def linearized(
     slope = np.maximum(slope_of_mean + (slopes * own).sum(axis=1), 0.0)
     per_root = 2.0 / (np.log(2.0) * root)
     rows = per_root[:, None] * basis
-    noise = np.hypot(_FLOOR, per_root * slope * _CODE_NOISE / 255.0)
-    return np.hstack([rows, values.time[:, None] * rows]), noise
+    return np.hstack([rows, values.time[:, None] * rows]), expected_noise(per_root * slope)
 
 
 def fitted_codes(fitted: Float, values: Values, found: Float, prior: FamilyPrior) -> Float:
@@ -126,12 +125,16 @@ def compared(
     return relative, left, *linearized(fitted, values, found, prior)
 
 
+def expected_noise(slope: Float) -> Float:
+    """[stop] of patches' log light at best, by its slope [stop / full range] at their codes."""
+    return np.asarray(np.hypot(_FLOOR, slope * _CODE_NOISE / 255.0))
+
+
 def robust_weights(left: Float, noise: Float) -> Float:
     """Inverse variances by Tukey's biweight of what is left unexplained."""
     standard = left / noise
-    scale = max(1.4826 * float(np.median(np.abs(standard))), 0.25)
-    tukey = np.clip(1.0 - (standard / (_TUKEY * scale)) ** 2, 0.0, 1.0) ** 2
-    return np.asarray(tukey / (noise * max(scale, 1.0)) ** 2)
+    scale = max(robust_deviation(standard), 0.25)
+    return np.asarray(biweight(standard, scale) / (noise * max(scale, 1.0)) ** 2)
 
 
 def unexplained(columns: Float, weights: Float, values: Values, alike: float) -> Float:

@@ -33,7 +33,7 @@ MAX_BEND = 0.02  # [1] RMSE by which another smoothness may change the curve
 MAX_RESIDUAL = 0.15
 """[stop]"""
 MIN_KEPT = 0.6  # share of the points that Tukey's biweight keeps: at less, most of the scene moved
-_FLOOR = 0.02  # [stop] deviation of the curves that passed, beyond what halves and smoothness tell
+_BEYOND = 0.02  # [stop] deviation of the curves that passed, beyond what halves and smoothness tell
 _GUESSED = 0.3  # of the stops from the brightest point to white, which known responses bridge
 # [stop] Standard deviation of two channels' light above this code, up to which they are alike: of
 # one curve 0.007 at most, of responses whose channels differ 0.02 to 0.4.
@@ -149,7 +149,7 @@ def _deviations(
     )
     white = (
         (apart**2).sum(axis=0)
-        + _FLOOR**2
+        + _BEYOND**2
         + (stretch * depth) ** 2
         + (_GUESSED * np.minimum(unseen, -depth)) ** 2
     )
@@ -161,7 +161,7 @@ def _deviations(
     )
     shifts = [rows - rows[:, [MID_GRAY]] for rows in (stretch * depth, *differences)]
     guessed = _GUESSED * np.maximum(depth + unseen, 0.0)
-    shape = 2.0 * _FLOOR**2 + np.sum(np.square(shifts), axis=0) + guessed**2
+    shape = 2.0 * _BEYOND**2 + np.sum(np.square(shifts), axis=0) + guessed**2
     return sigma, expected_of_deviation(np.sqrt(shape))
 
 

@@ -20,6 +20,7 @@ from scipy.interpolate import BSpline
 from scipy.sparse.csgraph import connected_components
 
 from facecrf_ocio.response.model import dorf_model
+from facecrf_ocio.response.robust import biweight, robust_deviation, robust_deviations
 from facecrf_ocio.values import CHANNELS, Bool, Float, Index
 
 CODES = 256  # of 8 bits, to which all photos of a bracket are brought
@@ -27,9 +28,9 @@ _SEGMENTS, _DEGREE = 16, 3  # of a cubic spline, with a knot every 16 codes; cho
 _SIZE = _SEGMENTS + _DEGREE
 # Of weighing anew, from nothing and from a fit of other points; chosen by judgment.
 _ROUNDS, _FEW_ROUNDS = 6, 2
-_TUKEY = 4.685  # 95 % efficient for Gaussian residuals
-_CODE_NOISE = 0.6  # [code value] of the mean of a small patch, with what JPEG does to it
-_FLOOR = 0.012  # [stop] what points differ by at best: flicker, shutters, rounding of JPEG's blocks
+_PATCH_NOISE = 0.6  # [code value] of the mean of a small patch, with what JPEG does to it
+# [stop] What points differ by at best: flicker, shutters, rounding of JPEG's blocks.
+_AT_BEST = 0.012
 _SHUTTER = 0.02  # [stop] standard deviation of one exposure from its place on the grid
 _EXACT = 1e4  # [1/stop] how firmly it is held that exposures are not stretched as a whole
 # Points that two photos share, from which on one tells of the other's exposure. Of a scene, a few
@@ -159,8 +160,8 @@ def _weights(values: _Values, solution: Float) -> tuple[Float, float, float]:
     )
     standard = np.sqrt(((residual / spread) ** 2).mean(axis=0))
     scale = max(float(np.median(standard)), _FEWEST_SPREAD)
-    tukey = np.clip(1.0 - (standard / (_TUKEY * scale)) ** 2, 0.0, 1.0) ** 2
-    return weight * tukey / scale**2, _robust(residual), float((tukey > 0.0).mean())
+    tukey = biweight(standard, scale)
+    return weight * tukey / scale**2, robust_deviation(residual), float((tukey > 0.0).mean())
 
 
 def _centered(rows: Float, weights: Float, first: Index) -> Float:
@@ -265,7 +266,7 @@ def _known_bends() -> tuple[Float, Float]:
     bends = np.diff(coefficients, 2, axis=0)
     usual = np.median(bends, axis=1)
     apart = bends - usual[:, None]
-    deviation = 1.4826 * np.median(np.abs(apart), axis=1, keepdims=True)
+    deviation = robust_deviations(apart)
     usually = np.clip(apart, -_FARTHEST * deviation, _FARTHEST * deviation)
     covariance = usually @ usually.T / _DRAWS + _OWN_BEND**2 * np.eye(len(usual))
     return usual, np.linalg.inv(covariance)
@@ -274,7 +275,7 @@ def _known_bends() -> tuple[Float, Float]:
 def _spread(codes: Float, solution: Float, channel: int) -> Float:
     """[stop] what noise does to each value."""
     slope = _spline(solution, channel).derivative()(codes / 255.0)
-    return np.asarray(np.hypot(_FLOOR, np.maximum(slope, _LEAST_SLOPE) * _CODE_NOISE / 255.0))
+    return np.asarray(np.hypot(_AT_BEST, np.maximum(slope, _LEAST_SLOPE) * _PATCH_NOISE / 255.0))
 
 
 def _knots() -> Float:
@@ -293,7 +294,3 @@ def _places(channel: int, size: int) -> Index:
 
 def _of_channel(solution: Float, channel: int) -> Float:
     return np.asarray(solution[_places(channel, solution.size)])
-
-
-def _robust(values: Float) -> float:
-    return float(1.4826 * np.median(np.abs(values)))

@@ -9,12 +9,12 @@ from scipy.interpolate import BSpline
 from scipy.optimize import lsq_linear
 
 from facecrf_ocio.pair.flat_pixels import Samples
+from facecrf_ocio.response.robust import biweight, robust_deviation
 from facecrf_ocio.values import Float
 
 SEGMENTS = 32  # of the spline: one is eight 8-bit codes
 _DEGREE = 3  # cubic: its slope has no kinks
 _ROUNDS = 12  # of reweighting by residuals
-_TUKEY = 4.685  # 95 % efficient for Gaussian residuals
 _CODE = 1.0 / 255.0  # [encoded] one 8-bit code
 _STIFFNESS = 3.0  # weight of a change of the slopes' ratio to the typical curve, beside one sample
 _NORMALIZATION = 1e4  # weight of the row that says g(1) = 1, so that it holds as an equation
@@ -75,16 +75,16 @@ def fit_channel(samples: Samples, channel: int, typical: Float, size: int) -> Ch
     prior = _prior_rows(expected, contrast, _gain(samples, coefficients, knots, channel), channel)
     light = samples.linear
     row: Float = np.zeros(3)
-    weights, scale = np.ones(len(light)), 4 * _CODE
+    weights: Float = np.ones(len(light))
+    scale = 4 * _CODE
     for _ in range(_ROUNDS):
         slope = np.maximum(_spline(knots, coefficients).derivative()(samples.encoded), 0.02)
         rows = np.hstack([cumulated, -light]) * (np.sqrt(weights) / (slope * scale))[:, None]
         increments, row = _solve(np.vstack([rows, prior]), count - 1)
         coefficients = np.concatenate([[0.0], np.cumsum(increments)])
         residual = (cumulated @ increments - light @ row) / slope
-        scale = max(_robust_deviation(residual), 0.1 * _CODE)
-        inside = np.clip(1 - (residual / (_TUKEY * scale)) ** 2, 0, 1)
-        weights = inside**2
+        scale = max(_deviation(residual), 0.1 * _CODE)
+        weights = biweight(residual, scale)
     total = coefficients[-1]
     grid = np.linspace(0.0, 1.0, size)
     linear = np.asarray(_spline(knots, coefficients / total)(grid))
@@ -92,7 +92,7 @@ def fit_channel(samples: Samples, channel: int, typical: Float, size: int) -> Ch
         linear,
         row / total,
         (cumulated @ np.diff(coefficients) - light @ row) / total,
-        _robust_deviation(residual) / _CODE,
+        _deviation(residual) / _CODE,
     )
 
 
@@ -147,5 +147,5 @@ def _solve(rows: Float, increments: int) -> tuple[Float, Float]:
     return solution[:increments], solution[increments:]
 
 
-def _robust_deviation(residual: Float) -> float:
-    return float(1.4826 * np.median(np.abs(residual - np.median(residual))))
+def _deviation(residual: Float) -> float:
+    return robust_deviation(residual - np.median(residual))

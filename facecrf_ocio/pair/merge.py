@@ -23,7 +23,7 @@ from facecrf_ocio.values import Bool, Float, InverseCRF, Photo
 Image = npt.NDArray[np.float32]
 
 _CODE = 1.0 / 255.0  # [1] one code value of 8 bits
-_CODE_NOISE = 1.0 * _CODE  # of a pixel of an 8-bit JPEG
+_PIXEL_NOISE = 1.0 * _CODE  # of a pixel of an 8-bit JPEG
 _PHOTON = 2e-4  # variance of light 1 at white: a signal-to-noise ratio of 70, a small sensor's
 _READ = 4e-6  # variance of light 0: a deviation of 1/500 of white, as small sensors have
 # A pixel counts fully between these codes, and not at all below and above the outer ones.
@@ -125,7 +125,7 @@ def refined_stops(bracket: SmallBracket, curve: InverseCRF, *, center_only: bool
 def _weights(codes: Image, curve: InverseCRF, stops: Float, index: int) -> Image:
     """Inverse variance of each pixel's light; outside of a moved photo nothing."""
     slope = np.gradient(curve.linear, curve.encoded, axis=1)
-    variance = (slope * _CODE_NOISE) ** 2 + _PHOTON * curve.linear + _READ
+    variance = (slope * _PIXEL_NOISE) ** 2 + _PHOTON * curve.linear + _READ
     weight = _by_code(codes, curve, 4.0 ** stops[index] / variance)
     dark, bright = codes.min(axis=2), codes.max(axis=2)
     low = np.clip((dark - _DARK[0]) / (_DARK[1] - _DARK[0]), 0.0, 1.0)

@@ -17,13 +17,14 @@ from facecrf_ocio.pair.flat_pixels import Samples
 from facecrf_ocio.response.coverage import COVERAGE_BINS, coverage_at
 from facecrf_ocio.response.expected_stops import expected_of_deviation, verdict_of
 from facecrf_ocio.response.model import CURVE_SIZE
+from facecrf_ocio.response.robust import robust_deviation
 from facecrf_ocio.response.stops import CODES, DARKEST, MID_CODES, MID_GRAY, mean_over
 from facecrf_ocio.values import Confidence, Float, InStops, InverseCRF, Verdict
 
 RELIABLE_RESIDUAL_CODES = 3.0  # [8-bit code] up to which one curve explains noise and compression
 RELIABLE_SPAN = 0.5  # [encoded] that samples must cover, or most of the curve is continued
 _MIN_PER_BIN = 10  # samples that make a bin one that is seen
-_FLOOR = 0.004  # [stop] of every curve
+_OF_ALL = 0.004  # [stop] of every curve
 # Of the spread of single samples. A fit over hundreds is surer than one of them; but what a pair
 # gets wrong is mostly not noise: local tone mapping, vignetting, saturation, which samples share.
 _SHARED = 0.3
@@ -86,7 +87,7 @@ def _in_stops(found: InverseCRF, spreads: Float, depth: Float, unseen: Float) ->
     guessed = guessed - guessed[:, [MID_GRAY]]
     apart = max(mean_over(np.abs(shapes - shapes.mean(axis=0)), MID_CODES) - _ALIKE, 0.0)
     unlike = _UNLIKE * (unseen - unseen.min()) + _AS_UNLIKE * apart * unseen
-    squares = 2.0 * _FLOOR**2 + own**2 + own[:, [MID_GRAY]] ** 2 + guessed**2
+    squares = 2.0 * _OF_ALL**2 + own**2 + own[:, [MID_GRAY]] ** 2 + guessed**2
     squares += unlike[:, None] ** 2
     return expected_of_deviation(np.sqrt(squares))
 
@@ -97,6 +98,6 @@ def _spreads(encoded: Float, residual: Float) -> tuple[Float, Float, Float]:
     bins = np.clip((encoded * size).astype(np.intp), 0, size - 1)
     counts = np.bincount(bins, minlength=size).astype(np.float64)
     spreads = np.array(
-        [1.4826 * np.median(np.abs(residual[bins == b])) if counts[b] else 0 for b in range(size)]
+        [robust_deviation(residual[bins == b]) if counts[b] else 0 for b in range(size)]
     )
     return (np.arange(size) + 0.5) / size, spreads, counts

@@ -43,6 +43,7 @@ from facecrf_ocio.published.energy.log_slope import (
 )
 from facecrf_ocio.published.planar_points import PlanarPoints, joined, planar_points
 from facecrf_ocio.response.model import ResponseModel
+from facecrf_ocio.response.robust import biweight, robust_deviation
 from facecrf_ocio.settings import PublishedSettings
 from facecrf_ocio.values import CHANNELS, Float, Lacking, Photo
 
@@ -173,8 +174,8 @@ def _mode_at_zero(
     slope, scale, trusted, middle, spread = 0.0, 1.0, weight, 0.0, 1.0
     for _ in range(20):
         residual = (value - mode - slope * offset) * np.sqrt(weight)
-        scale = max(1.4826 * float(np.median(np.abs(residual))), 1e-9)
-        trusted = weight * np.clip(1.0 - (residual / (4.685 * scale)) ** 2, 0.0, None) ** 2
+        scale = max(robust_deviation(residual), 1e-9)
+        trusted = weight * biweight(residual, scale)
         mass = trusted.sum()
         middle = float(trusted @ offset / mass)
         center = float(trusted @ value / mass)
