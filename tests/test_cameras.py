@@ -14,6 +14,7 @@ from facecrf_ocio.cameras.known_cameras import (
     read_registry,
     shipped_cameras,
 )
+from facecrf_ocio.cameras.maker_names import camera_name, one_spelling
 from facecrf_ocio.record.outputs import write_outputs
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.synthetic import gamma_curve
@@ -103,6 +104,46 @@ def test_a_camera_is_found_by_make_and_model():
 def test_a_model_is_the_same_with_its_makers_name_and_without(make, model, also):
     assert names_of(make, model) == names_of(make, also)
     assert names_of(make, model) != names_of(make, f"{model}x")
+
+
+def test_a_maker_has_one_spelling():
+    makers = one_spelling(
+        ["NIKON CORPORATION", "Nikon", "NIKON", "samsung", "Samsung", "NVIDIA", ""]
+    )
+    assert makers == {"nikon": "Nikon", "samsung": "Samsung", "nvidia": "NVIDIA", "": ""}
+
+
+@pytest.mark.parametrize(
+    ("maker", "model", "name"),
+    [
+        ("Nikon", "E995", "Nikon E995"),
+        ("Nikon", "NIKON D90", "Nikon D90"),
+        ("Canon", "Canon EOS 5D", "Canon EOS 5D"),
+        ("PENTAX Corporation", "PENTAX *ist DL", "PENTAX Corporation *ist DL"),
+        ("Canon", "Canon", "Canon Canon"),
+        ("Nikon", "NIKONOS", "Nikon NIKONOS"),
+        ("", "D90", "D90"),
+    ],
+)
+def test_a_camera_has_its_makers_name_once(maker, model, name):
+    assert camera_name(maker, model) == name
+
+
+def test_measurements_of_one_model_are_listed_together_by_one_name(capfd, registry):
+    lines = CommandLine(capfd)("cameras", "list", "e995").out.splitlines()
+    assert [line.split()[:2] for line in lines] == [["Nikon", "E995"]] * 2
+    assert "exposure stacks" in lines[0]
+    assert "photos of a chart" in lines[1]
+    every = CommandLine(capfd)("cameras", "list").out.splitlines()
+    places = [at for at, line in enumerate(every) if line.startswith("Nikon E995 ")]
+    assert len(every) == len(shipped_cameras())
+    assert places[1] == places[0] + 1
+
+
+@pytest.mark.parametrize("name", ["NIKON CORPORATION", "Nikon D3100"])
+def test_a_camera_is_found_by_its_files_spelling_and_by_the_lists(capfd, registry, name):
+    (line,) = CommandLine(capfd)("cameras", "list", name).out.splitlines()
+    assert line.startswith("Nikon D3100 ")
 
 
 def test_a_measurement_is_added_listed_exported_and_merged(capfd, tmp_path, registry, monkeypatch):

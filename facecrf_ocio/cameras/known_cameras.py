@@ -15,6 +15,7 @@ from typing import Any
 import click
 import numpy as np
 
+from facecrf_ocio.cameras.maker_names import maker_of
 from facecrf_ocio.errors import FaceCRFError, LutError, OutputError
 from facecrf_ocio.files.atomic import Draft, write_files
 from facecrf_ocio.response.model import inverse_crf
@@ -165,24 +166,20 @@ def joined(one: Iterable[KnownCamera], other: Iterable[KnownCamera]) -> tuple[Kn
 
 def names_of(make: str, model: str) -> frozenset[str]:
     """All that files call one model: makers' JPEGs begin it with their name, raw files do not."""
-    maker, model = _maker(make), model.strip().casefold()
+    maker, model = maker_of(make), model.strip().casefold()
     bare = model.removeprefix(f"{maker} ")
     return frozenset({bare, f"{maker} {bare}"} if maker else {model})
 
 
 def matching(cameras: Iterable[KnownCamera], make: str, model: str) -> tuple[KnownCamera, ...]:
     """Those of this make and model, the surest first. Makes are compared by their first word."""
-    names = names_of(make, model)
+    names, maker = names_of(make, model), maker_of(make)
     found = [
         one
         for one in cameras
-        if names & names_of(one.make, one.model) and (_maker(one.make) == _maker(make) or not make)
+        if names & names_of(one.make, one.model) and (maker_of(one.make) == maker or not make)
     ]
     return tuple(sorted(found, key=lambda one: (one.grade, one.spread_stops)))
-
-
-def _maker(make: str) -> str:
-    return (make.casefold().split() or [""])[0]
 
 
 def _parsed(path: Path, text: str) -> tuple[KnownCamera, ...]:

@@ -27,28 +27,33 @@ def cameras(context: click.Context) -> None:
 @click.argument("name", default="")
 @ending_well
 def list_cameras(name: str) -> int:
-    """List those whose make or model has NAME in it: grade, spread in stops, method, proof."""
-    from facecrf_ocio.cameras.known_cameras import (
-        called,
-        read_registry,
-        registry_path,
-        shipped_cameras,
-    )
+    """List those whose make or model has NAME in it: grade, spread in stops, method, proof.
+
+    Each measurement is a line; those of one model follow one another, the surest first.
+    """
+    from facecrf_ocio.cameras.known_cameras import read_registry, registry_path, shipped_cameras
+    from facecrf_ocio.cameras.maker_names import camera_name, maker_of, one_spelling
 
     own = read_registry(registry_path())
-    found = [
-        (one, origin)
-        for group, origin in ((shipped_cameras(), "ships"), (own, "yours"))
-        for one in sorted(group, key=lambda camera: camera.key)
-        if name.casefold() in f"{one.make} {one.model}".casefold()
+    both = [(one, "ships") for one in shipped_cameras()] + [(one, "yours") for one in own]
+    makers = one_spelling(one.make for one, _ in both)
+    named = [
+        (camera_name(makers[maker_of(one.make)], one.model), one, origin) for one, origin in both
     ]
+    found = sorted(
+        (
+            (called_so, one, origin)
+            for called_so, one, origin in named
+            if name.casefold() in f"{one.make} {one.model}\n{called_so}".casefold()
+        ),
+        key=lambda row: (row[0].casefold(), row[2], row[1].grade, row[1].key),
+    )
     if not found:
         return complain(
             f"no camera named {name!r} was measured; facecrf cameras lists all", NOTHING
         )
-    names = [called(one.make, one.model) for one, _ in found]
-    width = max(map(len, names))
-    for called_so, (one, origin) in zip(names, found, strict=True):
+    width = max(len(called_so) for called_so, _, _ in found)
+    for called_so, one, origin in found:
         say(
             f"{called_so:<{width}} {one.grade}  {one.spread_stops:.2f} stops  "
             f"{one.method:<{_METHOD}} {origin}  {one.proof}"
