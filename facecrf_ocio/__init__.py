@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from facecrf_ocio.pair.calibrate_bracket import calibrate_bracket as calibrate_bracket
     from facecrf_ocio.pair.calibrate_pair import calibrate_pair as calibrate_pair
     from facecrf_ocio.photo.read import read_photo as read_photo
-    from facecrf_ocio.record.sidecar import read_curve as read_curve
+    from facecrf_ocio.record.calibration_record import read_curve as read_curve
     from facecrf_ocio.settings import Settings as Settings
     from facecrf_ocio.together import Together as Together
     from facecrf_ocio.together import calibrate_together as calibrate_together
@@ -45,7 +45,7 @@ _HOME = {
     "calibrate_pair": "pair.calibrate_pair",
     **dict.fromkeys(("PhotoEvidence", "conclude", "gather", "misfit"), "joint"),
     "linearize_photo": "image.to_exr",
-    "read_curve": "record.sidecar",
+    "read_curve": "record.calibration_record",
     "read_photo": "photo.read",
     "write_lut": "lut.write",
     "Settings": "settings",

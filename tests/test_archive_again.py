@@ -48,8 +48,8 @@ def test_a_duplicate_of_an_altered_result_is_calibrated_itself(facecrf, tmp_path
     source.mkdir()
     write_noise(source / "a.png", seed=1)
     batch(facecrf, source, output)
-    sidecar = output / "a.png.crf.json"
-    sidecar.write_bytes(sidecar.read_bytes().replace(b'"fallback"', b'"calibrated"'))
+    record = output / "a.png.crf.json"
+    record.write_bytes(record.read_bytes().replace(b'"fallback"', b'"calibrated"'))
     shutil.copy(source / "a.png", source / "b.png")
     batch(facecrf, source, output)
     outcomes = dict(table(output, "SELECT name, outcome FROM photos"))

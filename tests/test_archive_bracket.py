@@ -15,7 +15,7 @@ from facecrf_ocio.pair.bracket_curve import rmse_after_scale, solve_bracket
 from facecrf_ocio.pair.code_samples import COLUMNS, ROWS, read_samples, take_samples
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.photo.shot import Shot, read_shot
-from facecrf_ocio.record.sidecar import read_sidecar
+from facecrf_ocio.record.calibration_record import read_record
 from facecrf_ocio.response.model import dorf_model, inverse_crf, strictly_increasing
 from facecrf_ocio.synthetic import encode, gamma_curve
 from facecrf_ocio.values import InverseCRF
@@ -168,8 +168,8 @@ def test_the_photos_of_a_bracket_get_its_curve_and_tell_how_far_it_is_from_the_e
     )
     assert (name, count, used) == ("ramp0.jpg", 5, 1)
     assert stops == pytest.approx(4.0, abs=0.01)
-    told = read_sidecar(output / "ramp3.jpg.crf.json").estimate
-    camera = read_sidecar(output / "face.jpg.crf.json").estimate
+    told = read_record(output / "ramp3.jpg.crf.json").estimate
+    camera = read_record(output / "face.jpg.crf.json").estimate
     assert (told.estimator, camera.estimator) == ("bracket", "joint")
     assert rmse_after_scale(told.curve, camera.curve) == pytest.approx(rmse, abs=1e-6)
     assert f"after one scale: {rmse:.3f}" in told.confidence.reasons[2]

@@ -22,7 +22,7 @@ from facecrf_ocio import Photo, read_photo
 from facecrf_ocio.archive.cameras import camera_group
 from facecrf_ocio.archive.task import Recipe
 from facecrf_ocio.joint import conclude, gather
-from facecrf_ocio.record.sidecar import read_sidecar
+from facecrf_ocio.record.calibration_record import read_record
 from facecrf_ocio.synthetic import encode, gamma_curve
 from facecrf_ocio.together import MISFIT_LIMIT, calibrate_together
 
@@ -58,7 +58,7 @@ def archive(tmp_path):
 
 
 def curve_of(folder, name):
-    return read_sidecar(folder / f"{name}.crf.json").estimate.found.linear
+    return read_record(folder / f"{name}.crf.json").estimate.found.linear
 
 
 def test_the_photos_of_a_camera_get_the_curve_that_they_give_together(archive, tmp_path, pooled):
@@ -77,10 +77,10 @@ def test_the_photos_of_a_camera_get_the_curve_that_they_give_together(archive, t
     outcomes = dict(table(output, "SELECT name, outcome FROM photos"))
     assert outcomes["none.jpg"] == "from its camera"
     assert {outcomes[n] for n in names if n != "none.jpg"} == {"calibrated"}
-    sidecar = read_sidecar(output / "none.jpg.crf.json").estimate
-    assert "no face" in sidecar.reason
-    assert not sidecar.faces
-    assert len(read_sidecar(output / "a.jpg.crf.json").estimate.faces) == 1
+    record = read_record(output / "none.jpg.crf.json").estimate
+    assert "no face" in record.reason
+    assert not record.faces
+    assert len(read_record(output / "a.jpg.crf.json").estimate.faces) == 1
 
 
 def test_cameras_and_picture_settings_stay_apart(archive, tmp_path, pooled, facecrf):

@@ -21,7 +21,7 @@ from facecrf_ocio.cameras.known_cameras import (
     write_registry,
 )
 from facecrf_ocio.errors import OutputError
-from facecrf_ocio.record.sidecar import read_sidecar
+from facecrf_ocio.record.calibration_record import read_record
 
 _RECIPE = "the recipe"
 
@@ -101,7 +101,7 @@ def test_a_batch_does_them_again_and_no_others(capfd, tmp_path, registry, pool):
     assert ended.code == 0
     assert "1 done before" in ended.err
     for name, counts in (("0.jpg", True), ("1.jpg", True), ("2.jpg", False)):
-        told = read_sidecar(output / f"{name}.crf.json").estimate.confidence
+        told = read_record(output / f"{name}.crf.json").estimate.confidence
         said = [*told.reasons, *told.doubts]
         assert any("the measured response of Acme One" in one for one in said) == counts
     assert "3 done before" in facecrf(*how).err
@@ -133,7 +133,7 @@ def test_a_cluster_goes_by_the_registry_of_who_asks(capfd, tmp_path, monkeypatch
 
 
 def counted_as_known(record):
-    told = read_sidecar(record).estimate.confidence
+    told = read_record(record).estimate.confidence
     return any("the measured response of Acme" in one for one in (*told.reasons, *told.doubts))
 
 

@@ -35,7 +35,7 @@ from facecrf_ocio.archive.report.reason_kinds import reason_kinds
 from facecrf_ocio.archive.run import run
 from facecrf_ocio.archive.task import Recipe
 from facecrf_ocio.archive.walk import photos_under
-from facecrf_ocio.record.sidecar import read_sidecar
+from facecrf_ocio.record.calibration_record import read_record
 
 ODD = 'odd "name" <script>alert(1)<!-- & \n line.png'
 REPORT = "facecrf-report.html"
@@ -165,14 +165,14 @@ def test_opencv_has_the_threads_that_it_had_before(archive):
         cv2.setNumThreads(former)
 
 
-def test_curves_and_bands_are_those_of_the_sidecars(archive):
+def test_curves_and_bands_are_those_of_the_records(archive):
     page = page_of(archive)
     row = page.row("film.jpg")
     text = json.loads(page.texts["curves"])[page.data["columns"]["curve"][row]]
     linear, half, above, half_stops = (
         np.frombuffer(base64.b64decode(text), "<u2").reshape(4, -1) / 65535
     )
-    record = read_sidecar(archive / "film.jpg.crf.json").estimate
+    record = read_record(archive / "film.jpg.crf.json").estimate
     codes = np.linspace(0, 1, linear.size)
     there = record.curve.encoded
     truth = np.interp(codes, there, record.curve.linear[1])
@@ -198,7 +198,7 @@ def test_thumbnails_show_the_photo_as_encoded_and_linearized(archive, name):
     before, after = page_of(archive).pictures(name)
     with Image.open(archive.parent / "photos" / name) as image:
         full = np.asarray(image.convert("RGB")) / 255.0
-    record = read_sidecar(archive / f"{name}.crf.json").estimate.found
+    record = read_record(archive / f"{name}.crf.json").estimate.found
     curves = zip(np.moveaxis(full, -1, 0), record.linear, strict=True)
     linear = np.stack([np.interp(x, record.encoded, curve) for x, curve in curves], axis=-1)
     shown = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)

@@ -28,13 +28,13 @@ def archive(made, tmp_path):  # noqa: F811
 @pytest.fixture
 def parsed(monkeypatch):
     """Names of the photos whose records a report reads."""
-    names, read = [], look_again.read_sidecar
+    names, read = [], look_again.read_record
 
     def watched(path):
         names.append(path.name.removesuffix(".crf.json"))
         return read(path)
 
-    monkeypatch.setattr(look_again, "read_sidecar", watched)
+    monkeypatch.setattr(look_again, "read_record", watched)
     return names
 
 

@@ -11,7 +11,7 @@ from command_line import CommandLine, write_noise
 from facecrf_ocio.benchmark.peers.bracket_curves import Brackets
 from facecrf_ocio.benchmark.peers.made_curves import made_curves
 from facecrf_ocio.pair.bracket_curve import solve_bracket
-from facecrf_ocio.record.sidecar import read_sidecar
+from facecrf_ocio.record.calibration_record import read_record
 from facecrf_ocio.response.expected_stops import expected_of_sigma
 from facecrf_ocio.response.stops import stops_error, uniform
 from facecrf_ocio.synthetic import encode, gamma_curve
@@ -140,7 +140,7 @@ def test_a_real_stack_gives_the_curve_found_independently(capfd, tmp_path, devel
     photos = sorted(stack.glob("*.jpg"))[::2]
     ended = CommandLine(capfd)("bracket", *photos, "-o", tmp_path, "--formats", "spi1d")
     assert ended.code == 0, ended.err
-    told = read_sidecar(tmp_path / f"{photos[0].name}.crf.json").estimate
+    told = read_record(tmp_path / f"{photos[0].name}.crf.json").estimate
     with np.load(stored) as curves:
         place = list(curves["names"]).index("Canon EOS 5D (exposure stacks)")
         truth = np.interp(CODES, np.linspace(0, 1, 1024), curves["inverse"][place, 1])

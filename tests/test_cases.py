@@ -19,7 +19,7 @@ from lut_files import through_ocio
 
 from facecrf_ocio.errors import LutError
 from facecrf_ocio.lut.lint import lint
-from facecrf_ocio.record.sidecar import read_sidecar
+from facecrf_ocio.record.calibration_record import read_record
 
 pytestmark = pytest.mark.slow
 CLEAN, WRONG, UNUSABLE = 0, 6, 7  # exit codes of `lint`
@@ -153,4 +153,4 @@ def test_a_studios_config_keeps_its_luts(cases: Path, facecrf: CommandLine, tmp_
 
 def test_a_record_of_absurd_numbers_is_refused(cases: Path) -> None:
     with pytest.raises(LutError, match=r"coeff_bigint\.crf\.json"):
-        read_sidecar(cases / "archive" / "coeff_bigint.crf.json")
+        read_record(cases / "archive" / "coeff_bigint.crf.json")

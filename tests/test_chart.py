@@ -17,7 +17,7 @@ from facecrf_ocio.chart.calibrate_chart import calibrate_chart
 from facecrf_ocio.chart.find_chart import by_corners, can_find, find_chart, to_pixels
 from facecrf_ocio.chart.reflectances import GRAYS, reflectances
 from facecrf_ocio.errors import PhotoError, SettingsError
-from facecrf_ocio.record.sidecar import read_sidecar
+from facecrf_ocio.record.calibration_record import read_record
 from facecrf_ocio.response.model import inverse_crf
 from facecrf_ocio.response.stops import stops_error, uniform
 from facecrf_ocio.synthetic import gamma_curve
@@ -171,7 +171,7 @@ def test_the_command_and_the_registry(capfd, tmp_path, monkeypatch):
     ended = run("chart", photo, "--corners", *given, "-o", tmp_path, "--formats", "clf", "--plot")
     assert ended.code == 0, ended.err
     record = tmp_path / "chart.jpg.crf.json"
-    told = read_sidecar(record).estimate
+    told = read_record(record).estimate
     assert told.estimator == "chart"
     assert worst(told.curve, gamma_curve(2.2)) < 0.05
     assert run("cameras", "add", record).code == 0

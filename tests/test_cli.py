@@ -38,7 +38,7 @@ from facecrf_ocio.color.working_space import WORKING_SPACES, working_space_matri
 from facecrf_ocio.errors import OutputError
 from facecrf_ocio.files import atomic, versions
 from facecrf_ocio.files.atomic import Draft
-from facecrf_ocio.record.sidecar import read_sidecar
+from facecrf_ocio.record.calibration_record import read_record
 
 DONE, FAILED, USAGE, UNREADABLE, NOTHING = range(5)
 ALL = {"a.png.spi1d", "a.png.cube", "a.png.clf", "a.png.crf.json"}
@@ -123,7 +123,7 @@ class TestHelp:
 
 
 class TestCalibrate:
-    def test_writes_luts_and_sidecar_and_names_them(
+    def test_writes_luts_and_record_and_names_them(
         self, facecrf: CommandLine, photo: Path, out: Path
     ) -> None:
         ended = facecrf("calibrate", photo, "-o", out, *BLIND)
@@ -132,7 +132,7 @@ class TestCalibrate:
         first, *files = ended.out.splitlines()
         assert first.startswith(f"{photo}: fallback (prior only): ")
         assert {Path(line.strip()) for line in files} == {out / name for name in ALL}
-        curve = read_sidecar(out / "a.png.crf.json").estimate.found
+        curve = read_record(out / "a.png.crf.json").estimate.found
         assert curve is not None
         assert np.allclose(curve.linear, srgb_decoding(curve.encoded), atol=1e-6)
 
@@ -180,7 +180,7 @@ class TestCalibrate:
         ended = facecrf("calibrate", photo, "-o", out, "--estimator", name)
         assert ended.code == DONE
         assert "fallback" in ended.out
-        assert read_sidecar(out / "a.png.crf.json").estimate.estimator == name
+        assert read_record(out / "a.png.crf.json").estimate.estimator == name
 
     @pytest.mark.parametrize(("name", "code"), [("none", NOTHING), ("mean", DONE), ("srgb", DONE)])
     def test_fallback_without_a_face(
@@ -240,7 +240,7 @@ class TestCalibrate:
             command = ("calibrate", tmp_path / "a.png", "-o", out, "--overwrite", option)
             ended = facecrf(*command, "--estimator", "face-unshaded")
             assert (ended.code, ended.err) == (DONE, "")
-            curve = read_sidecar(out / "a.png.crf.json").estimate.found
+            curve = read_record(out / "a.png.crf.json").estimate.found
             assert curve is not None
             assert (curve.linear == curve.linear[0]).all() == (option == "--shared")
 
@@ -375,7 +375,7 @@ class TestScenelinearPhotos:
         assert (ended.code, ended.err) == (DONE, "")
         assert "already linear" in ended.out
         if command == "calibrate":
-            curve = read_sidecar(out / f"{name}.crf.json").estimate.found
+            curve = read_record(out / f"{name}.crf.json").estimate.found
             assert curve is not None
             assert np.array_equal(curve.linear, np.tile(curve.encoded, (3, 1)))
         else:

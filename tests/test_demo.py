@@ -12,7 +12,7 @@ from command_line import CommandLine, names_in
 from matplotlib import cbook
 from photo_files import oiiotool, pixels_of
 
-from facecrf_ocio.record.sidecar import read_sidecar
+from facecrf_ocio.record.calibration_record import read_record
 
 LUTS = ("grace_hopper.jpg.spi1d", "grace_hopper.jpg.cube", "grace_hopper.jpg.clf")
 FILES = {*LUTS, *(f"grace_hopper.jpg.{end}" for end in ("crf.json", "crf.png", "exr"))}
@@ -45,10 +45,10 @@ def expect_what_is_printed(printed: str, folder: Path) -> None:
     assert names_in(folder) == FILES
 
 
-def expect_lut(lut: Path, sidecar: Path) -> None:
-    """Expect OCIO to load a LUT and to make of gray what the sidecar's curve does."""
+def expect_lut(lut: Path, record: Path) -> None:
+    """Expect OCIO to load a LUT and to make of gray what the record's curve does."""
     processor = ocio.Config.CreateRaw().getProcessor(ocio.FileTransform(src=str(lut)))
-    curve = read_sidecar(sidecar).estimate.found
+    curve = read_record(record).estimate.found
     assert curve is not None
     for gray in (0.0, 0.25, 0.5, 0.75, 1.0):
         result = processor.getDefaultCPUProcessor().applyRGB([gray] * 3)

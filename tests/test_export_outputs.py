@@ -13,13 +13,13 @@ import pytest
 
 from facecrf_ocio.errors import LutError, OutputError
 from facecrf_ocio.lut.formats import clf
+from facecrf_ocio.record.calibration_record import read_record
 from facecrf_ocio.record.outputs import (
     output_paths,
     require_distinct_names,
     require_outputs_free,
     write_outputs,
 )
-from facecrf_ocio.record.sidecar import read_sidecar
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Confidence, Estimate, InverseCRF, Outcome, Photo, Verdict
 
@@ -50,12 +50,12 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
-def test_luts_and_sidecar_are_named_after_the_photo(tmp_path: Path) -> None:
+def test_luts_and_record_are_named_after_the_photo(tmp_path: Path) -> None:
     written = write(tmp_path / "new" / "folder", "IMG.0001.jpg")
     names = [f"IMG.0001.jpg.{ending}" for ending in ("spi1d", "cube", "clf", "crf.json")]
     assert [path.name for path in written] == names
     assert all(path.is_file() for path in written)
-    assert read_sidecar(written[-1]).luts == tuple(names[:-1])
+    assert read_record(written[-1]).luts == tuple(names[:-1])
 
 
 def test_only_the_formats_asked_for_are_written_and_each_once(tmp_path: Path) -> None:
@@ -71,11 +71,11 @@ def test_luts_tell_where_they_come_from(tmp_path: Path) -> None:
             assert told in text
 
 
-def test_without_a_curve_there_is_only_the_sidecar(tmp_path: Path) -> None:
+def test_without_a_curve_there_is_only_the_record(tmp_path: Path) -> None:
     nothing = Estimate(Outcome.NOT_CALIBRATED, "face", "no face", "give a photo with a face")
     written = write_outputs(photo(), nothing, Settings(), tmp_path)
     assert [path.name for path in written] == ["a.jpg.crf.json"]
-    assert read_sidecar(written[0]).estimate.reason == "no face"
+    assert read_record(written[0]).estimate.reason == "no face"
 
 
 @pytest.mark.parametrize("existing", ["a.jpg.spi1d", "a.jpg.cube", "a.jpg.clf", "a.jpg.crf.json"])
@@ -99,7 +99,7 @@ def test_photos_that_differ_in_their_suffix_stand_side_by_side(tmp_path: Path) -
     first = write(tmp_path, "a.jpg", 2.0)
     second = write(tmp_path, "a.dng", 3.0)
     assert not set(first) & set(second)
-    assert [read_sidecar(made[-1]).source.name for made in (first, second)] == ["a.jpg", "a.dng"]
+    assert [read_record(made[-1]).source.name for made in (first, second)] == ["a.jpg", "a.dng"]
 
 
 @pytest.mark.parametrize("overwrite", [False, True])
@@ -170,7 +170,7 @@ def test_photos_of_one_run_must_differ_in_name() -> None:
 def test_any_name_of_a_photo_will_do(name: str, tmp_path: Path) -> None:
     written = write(tmp_path / name, name)
     assert sorted((tmp_path / name).iterdir()) == sorted(written)
-    assert read_sidecar(written[-1]).source.name == name
+    assert read_record(written[-1]).source.name == name
 
 
 def test_exporting_needs_no_image_or_optimization_library() -> None:

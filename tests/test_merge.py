@@ -15,7 +15,7 @@ from photo_files import pixels_of
 from facecrf_ocio.benchmark.peers import merge_errors
 from facecrf_ocio.pair.bracket_pixels import small_bracket
 from facecrf_ocio.pair.merge import merge_bracket, refined_stops
-from facecrf_ocio.record.sidecar import write_sidecar
+from facecrf_ocio.record.calibration_record import write_record
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.synthetic import encode, gamma_curve
 from facecrf_ocio.values import Estimate, Outcome, Photo
@@ -202,7 +202,7 @@ def test_photos_that_are_not_exposed_as_they_tell_are_named(capfd, tmp_path):
     ]
     known = Estimate(Outcome.CALIBRATED, "chart", "", found=CURVE)
     photo = replace(shot(scene(), 0.0, 0), path=photos[0], sha256="ab" * 32)
-    record = write_sidecar(tmp_path / "known.crf.json", photo, known, Settings())
+    record = write_record(tmp_path / "known.crf.json", photo, known, Settings())
     ended = CommandLine(capfd)("merge", *photos, "-o", tmp_path / "a.exr", "--curve", record)
     named = [line for line in ended.err.splitlines() if "disagrees with the others" in line]
     assert named

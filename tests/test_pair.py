@@ -25,7 +25,7 @@ from facecrf_ocio.pair.extrapolate import continued
 from facecrf_ocio.pair.fit_channel import fit_channel
 from facecrf_ocio.pair.flat_pixels import Samples
 from facecrf_ocio.photo.read import read_photo
-from facecrf_ocio.record.sidecar import read_sidecar
+from facecrf_ocio.record.calibration_record import read_record
 from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import dorf_model
 from facecrf_ocio.response.stops import stops_error, uniform
@@ -222,7 +222,7 @@ def test_command_writes_what_calibrate_writes(pair_files, tmp_path):
     names = {path.name for path in (tmp_path / "out").iterdir()}
     luts = {"photo.jpg.spi1d", "photo.jpg.cube", "photo.jpg.clf"}
     assert names == luts | {"photo.jpg.crf.json", "photo.jpg.crf.png"}
-    record = read_sidecar(tmp_path / "out" / "photo.jpg.crf.json")
+    record = read_record(tmp_path / "out" / "photo.jpg.crf.json")
     assert record.estimate.estimator == "pair"
     assert record.source.name == "photo.jpg"
     assert errors(record.estimate.curve).max() < 0.02
@@ -238,7 +238,7 @@ def test_command_writes_the_way_back_and_on_to_a_working_space(pair_files, tmp_p
     assert {p.name for p in out.iterdir()} == {there.name, back.name, "photo.jpg.crf.json"}
     photo = replace(read_photo(pair_files[1]), bit_depth=None)
     linear = apply_lut(photo, there)
-    curve = read_sidecar(out / "photo.jpg.crf.json").estimate.found
+    curve = read_record(out / "photo.jpg.crf.json").estimate.found
     wanted = curve.linearize(photo.encoded) @ working_space_matrix(photo.primaries, "acescg").T
     assert np.abs(linear - wanted).max() < 1e-5
     encoded = apply_lut(replace(photo, encoded=linear), back, "encode")
@@ -276,7 +276,7 @@ def test_without_a_jpeg_the_picture_in_the_raw_file_is_taken(tmp_path, factor):
     assert result.exit_code == 0, result.output
     written = {path.name for path in (tmp_path / "out").iterdir()}
     assert written == {"photo.dng.clf", "photo.dng.crf.json"}
-    record = read_sidecar(tmp_path / "out" / "photo.dng.crf.json")
+    record = read_record(tmp_path / "out" / "photo.dng.crf.json")
     assert errors(record.estimate.curve).max() < 0.02
     assert record.source.name == "photo.dng"
     assert record.source.sha256 == hashlib.sha256(raw.read_bytes()).hexdigest()

@@ -20,7 +20,7 @@ from facecrf_ocio import (
     read_curve,
     read_photo,
 )
-from facecrf_ocio.record.sidecar import write_sidecar
+from facecrf_ocio.record.calibration_record import write_record
 from facecrf_ocio.settings import Settings
 
 CODES = np.linspace(0.0, 1.0, 256)
@@ -105,8 +105,8 @@ def test_one_call_from_a_photo_to_an_exr(tmp_path):
 def test_a_curve_comes_back_from_its_record(tmp_path):
     photo = Photo(encoded=np.full((20, 30, 3), 0.5, np.float32))
     estimate = calibrate(photo, estimator="gamma22")
-    record = write_sidecar(tmp_path / "a.crf.json", photo, estimate, Settings())
+    record = write_record(tmp_path / "a.crf.json", photo, estimate, Settings())
     assert (read_curve(record).linear == estimate.curve.linear).all()
-    nothing = write_sidecar(tmp_path / "b.crf.json", photo, calibrate(photo), Settings())
+    nothing = write_record(tmp_path / "b.crf.json", photo, calibrate(photo), Settings())
     with pytest.raises(LutError, match="holds no curve"):
         read_curve(nothing)

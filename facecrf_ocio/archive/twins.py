@@ -49,7 +49,7 @@ def from_twin(
 
 def _estimate_of(manifest: Manifest, task: Task, name: str) -> Estimate | None:
     """The estimate as its record has it; None if that is not as it was written."""
-    from facecrf_ocio.record.sidecar import read_sidecar  # noqa: PLC0415 - heavy
+    from facecrf_ocio.record.calibration_record import read_record  # noqa: PLC0415 - heavy
 
     recorded = {output.name: output.sha256 for output in manifest.outputs(name)}
     try:
@@ -57,6 +57,6 @@ def _estimate_of(manifest: Manifest, task: Task, name: str) -> Estimate | None:
         path = task.place.inside(record)
         if recorded.get(record) != sha256_of(path):
             return None
-        return read_sidecar(path).estimate
+        return read_record(path).estimate
     except (OutputError, LutError):
         return None

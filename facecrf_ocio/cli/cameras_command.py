@@ -73,10 +73,10 @@ def add(records: tuple[Path, ...]) -> int:
         registry_path,
         write_registry,
     )
+    from facecrf_ocio.record.calibration_record import read_record
     from facecrf_ocio.record.measured import from_record
-    from facecrf_ocio.record.sidecar import read_sidecar
 
-    new = [from_record(path, read_sidecar(path)) for path in records]
+    new = [from_record(path, read_record(path)) for path in records]
     target = registry_path()
     write_registry(target, joined(read_registry(target), new), overwrite=True)
     for one in new:

@@ -99,11 +99,11 @@ def merge(
 def _curve(source: str, photos: tuple[Path, ...], solved: BracketEstimate) -> Estimate:
     """The curve that was asked for, as an estimate; without one, why."""
     from facecrf_ocio import calibrate_together, read_photo
-    from facecrf_ocio.record.sidecar import read_sidecar
+    from facecrf_ocio.record.calibration_record import read_record
     from facecrf_ocio.values import Outcome
 
     if source not in ("auto", "bracket", "faces"):
-        return read_sidecar(Path(source)).estimate
+        return read_record(Path(source)).estimate
     if source == "bracket" or (source == "auto" and solved.estimate.found is not None):
         return solved.estimate
     estimate = calibrate_together(read_photo(path) for path in photos).estimate

@@ -27,7 +27,7 @@ def run_demo(folder: Path) -> tuple[Path, Estimate, tuple[Path, ...]]:
     Returns
     -------
     tuple
-        The portrait's file, the estimate, and the files written: LUTs, sidecar, plot and EXR.
+        The portrait's file, the estimate, and the files written: LUTs, record, plot and EXR.
 
     Raises
     ------

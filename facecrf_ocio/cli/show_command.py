@@ -60,15 +60,15 @@ def show(photo: Path, output: Path | None, record: Path | None, opens: bool, **c
 def _recorded(path: Path, record: Path) -> tuple[Photo, Estimate, tuple[Path, ...]]:
     """A photo and what a record says of it, with the files that stand beside the record."""
     from facecrf_ocio import read_photo
-    from facecrf_ocio.record.sidecar import read_sidecar
+    from facecrf_ocio.record.calibration_record import read_record
 
-    sidecar = read_sidecar(record)
+    held = read_record(record)
     photo = read_photo(path)
-    if sidecar.source.sha256 not in (None, photo.sha256):
+    if held.source.sha256 not in (None, photo.sha256):
         raise SettingsError(
-            f"{record}: is the record of another photo, {sidecar.source.name}; name that photo, "
+            f"{record}: is the record of another photo, {held.source.name}; name that photo, "
             "or leave out --record"
         )
-    beside = [record.parent / name for name in sidecar.luts]
+    beside = [record.parent / name for name in held.luts]
     beside.append(output_path(record.parent, path, EXR))
-    return photo, sidecar.estimate, (*(made for made in beside if made.is_file()), record)
+    return photo, held.estimate, (*(made for made in beside if made.is_file()), record)

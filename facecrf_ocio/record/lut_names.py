@@ -9,8 +9,8 @@ from pathlib import Path
 
 from facecrf_ocio.errors import LutError
 from facecrf_ocio.lut.write import split_ending
+from facecrf_ocio.record.calibration_record import read_source
 from facecrf_ocio.record.output_names import RECORD, output_path
-from facecrf_ocio.record.sidecar import read_source
 from facecrf_ocio.record.source_record import Source
 
 

@@ -10,14 +10,14 @@ import numpy.typing as npt
 
 from facecrf_ocio.cameras.known_cameras import POINTS, KnownCamera
 from facecrf_ocio.errors import LutError
-from facecrf_ocio.record.sidecar import Sidecar
+from facecrf_ocio.record.calibration_record import Record
 from facecrf_ocio.values import Camera, Confidence, Estimate, Float, InverseCRF
 
 MEASURED = ("pair", "bracket", "chart")
 """Estimators that measure; what others found in a photo is no measurement of a camera."""
 
 
-def from_record(path: Path, record: Sidecar) -> KnownCamera:
+def from_record(path: Path, record: Record) -> KnownCamera:
     """The measurement that a record holds.
 
     Raises

@@ -1,4 +1,4 @@
-"""All files of one calibrated photo: its LUTs and its sidecar, all of them or none."""
+"""All files of one calibrated photo: its LUTs and its record, all of them or none."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from facecrf_ocio.files.atomic import Draft, require_free, write_files
 from facecrf_ocio.lut.format_table import default_formats
 from facecrf_ocio.lut.transform import LutTransform
 from facecrf_ocio.lut.write import lut_draft, split_ending
+from facecrf_ocio.record.calibration_record import read_source, record_draft
 from facecrf_ocio.record.output_names import RECORD, output_path
-from facecrf_ocio.record.sidecar import read_source, sidecar_draft
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Estimate, Photo
 from facecrf_ocio.wording.trust_words import trust_phrase
@@ -29,7 +29,7 @@ def write_outputs(
     also: Sequence[Draft] = (),
     name: str | None = None,
 ) -> tuple[Path, ...]:
-    """Write the LUTs and the sidecar of a photo, named after it; without a curve, the sidecar.
+    """Write the LUTs and the record of a photo, named after it; without a curve, the record.
 
     `output_names` says how.
     Formats are those that `format_table` calls the default unless they are named.
@@ -39,12 +39,12 @@ def write_outputs(
     Returns
     -------
     tuple of pathlib.Path
-        The LUTs in the order of `formats`, then the sidecar, then `also`.
+        The LUTs in the order of `formats`, then the record, then `also`.
 
     Raises
     ------
     OutputError
-        If a file exists and `overwrite` is false, if the sidecar there is another photo's, or if a
+        If a file exists and `overwrite` is false, if the record there is another photo's, or if a
         file cannot be written. Nothing is written then.
     LutError
         If a format is unknown, or a LUT does not read back as written.
@@ -54,14 +54,14 @@ def write_outputs(
         raise OutputError("a photo in memory has no name to name its files after; set Photo.path")
     named = default_formats() if formats is None else tuple(formats)
     formats = () if estimate.found is None else named
-    *luts, sidecar = require_outputs_free(
+    *luts, record = require_outputs_free(
         photo.path, folder, formats, overwrite=overwrite, name=name
     )
     drafts = [
         _lut_draft(ending, lut, photo, estimate)
         for ending, lut in zip(dict.fromkeys(formats), luts, strict=True)
     ]
-    drafts.append(sidecar_draft(sidecar, photo, estimate, settings, luts))
+    drafts.append(record_draft(record, photo, estimate, settings, luts))
     _make_folder(folder)
     return write_files([*drafts, *also], overwrite=overwrite)
 
@@ -69,7 +69,7 @@ def write_outputs(
 def output_paths(
     source: Path, folder: Path, formats: Iterable[str], name: str | None = None
 ) -> tuple[Path, ...]:
-    """Return where `write_outputs` puts a photo's LUTs and, last, its sidecar.
+    """Return where `write_outputs` puts a photo's LUTs and, last, its record.
 
     Raises
     ------
@@ -95,7 +95,7 @@ def require_outputs_free(
     Raises
     ------
     OutputError
-        If a file exists and `overwrite` is false, or the sidecar there is another photo's.
+        If a file exists and `overwrite` is false, or the record there is another photo's.
     LutError
         If a format is unknown.
     """
@@ -118,14 +118,14 @@ def require_distinct_names(sources: Sequence[Path]) -> None:
             )
 
 
-def _require_same_source(sidecar: Path, source: Path) -> None:
+def _require_same_source(record: Path, source: Path) -> None:
     try:
-        owner = read_source(sidecar)[0].name
+        owner = read_source(record)[0].name
     except LutError:  # none there, or unreadable: then overwriting is for the user to decide
         return
     if owner is not None and owner != source.name:
         raise OutputError(
-            f"{sidecar}: belongs to {owner}, not to {source.name}; write to another folder or "
+            f"{record}: belongs to {owner}, not to {source.name}; write to another folder or "
             "rename one of the photos"
         )
 

@@ -11,8 +11,8 @@ import numpy as np
 from facecrf_ocio import __version__
 from facecrf_ocio.errors import LutError, reason_of
 from facecrf_ocio.lut.table import lut_table
+from facecrf_ocio.record.calibration_record import Record, read_record
 from facecrf_ocio.record.output_names import RECORD, output_path
-from facecrf_ocio.record.sidecar import Sidecar, read_sidecar
 from facecrf_ocio.values import Confidence, Estimate, InverseCRF, Photo
 from facecrf_ocio.wording.sentence import sentence
 
@@ -78,14 +78,14 @@ def of_lut(photo: Photo, lut: Path, direction: str) -> dict[str, str]:
     return {name: text for name, text in texts.items() if text}
 
 
-def record_of(lut: Path) -> Sidecar | None:
+def record_of(lut: Path) -> Record | None:
     """The record beside a LUT that lists it; None if there is none that can be read."""
     parts = lut.name.split(".")
     for count in range(len(parts) - 1, 0, -1):
         path = output_path(lut.parent, ".".join(parts[:count]), RECORD)
         if os.path.isfile(path):  # noqa: PTH113 - False, too, for a name that no disk takes
             try:
-                record = read_sidecar(path)
+                record = read_record(path)
             except LutError:
                 continue
             if lut.name in record.luts:

@@ -17,7 +17,7 @@ from facecrf_ocio.archive.manifest.database import Manifest, Stamp
 from facecrf_ocio.archive.task import Gathered, Output, Result, Shot
 from facecrf_ocio.lut.format_table import FORMATS
 from facecrf_ocio.lut.write import write_lut
-from facecrf_ocio.record.sidecar import write_sidecar
+from facecrf_ocio.record.calibration_record import write_record
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Confidence, Estimate, InverseCRF, Outcome, Photo, Verdict
 
@@ -96,7 +96,7 @@ def records(folder: Path) -> list[Path]:
     )
     none = Estimate(Outcome.NOT_CALIBRATED, "joint", "no face", "give one with a face")
     return [
-        write_sidecar(folder / f"{name}.crf.json", photo, one, Settings(), overwrite=True)
+        write_record(folder / f"{name}.crf.json", photo, one, Settings(), overwrite=True)
         for name, one in (("curve", estimate), ("none", none))
     ]
 

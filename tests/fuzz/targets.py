@@ -19,7 +19,7 @@ from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.photo.shot import read_shot
 from facecrf_ocio.photo.tags.named_curve import curve_of_profile, is_other_curve
 from facecrf_ocio.photo.tags.profile import primaries_from_icc, profile_notes
-from facecrf_ocio.record.sidecar import read_sidecar, read_source
+from facecrf_ocio.record.calibration_record import read_record, read_source
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ def _profile(path: Path) -> None:
 
 def _record(path: Path) -> None:
     read_source(path)
-    read_sidecar(path)
+    read_record(path)
 
 
 def _tags(path: Path) -> None:

@@ -19,8 +19,8 @@ from facecrf_ocio.photo.containers.suffixes import suffixes_named
 from facecrf_ocio.photo.raster.pixels import Pixels
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.photo.tags.unwarned import unwarned
+from facecrf_ocio.record.calibration_record import Record, read_record
 from facecrf_ocio.record.output_names import EXR, RECORD, output_name
-from facecrf_ocio.record.sidecar import Sidecar, read_sidecar
 from facecrf_ocio.values import Outcome
 
 GONE = "The photo is no longer there."
@@ -52,9 +52,9 @@ def pictures_of(archive: Archive, row: PhotoRow, kept: Kept = Kept(), large: int
         return Pictures(missing=NOT_OPENED)
     small = kept.thumbnail
     summary = summary_in(kept.summary) if kept.summary and small and not large else None
-    sidecar, problem = (None, "") if summary is not None else _sidecar(archive.folder, row)
-    if sidecar is not None:
-        summary = summary_of_record(sidecar)
+    record, problem = (None, "") if summary is not None else _record_of(archive.folder, row)
+    if record is not None:
+        summary = summary_of_record(record)
     shown = Pictures() if summary is None else _with_files(archive, row, summary)
     linear = row.outcome == str(Outcome.ALREADY_LINEAR)
     try:
@@ -67,7 +67,7 @@ def pictures_of(archive: Archive, row: PhotoRow, kept: Kept = Kept(), large: int
     except _MissingError as missing:
         return replace(shown, missing=str(missing))
     shown = replace(shown, missing=problem)
-    inverse = None if sidecar is None else sidecar.estimate.found
+    inverse = None if record is None else record.estimate.found
     return with_images(shown, encoded, inverse, linear=linear, large=large)
 
 
@@ -99,12 +99,12 @@ def _require_unchanged(source: Path | None, row: PhotoRow) -> None:
         raise _MissingError(CHANGED)
 
 
-def _sidecar(folder: Path, row: PhotoRow) -> tuple[Sidecar | None, str]:
+def _record_of(folder: Path, row: PhotoRow) -> tuple[Record | None, str]:
     """The photo's record, and what is wrong if it should be there and is not."""
     if not row.curve and row.kind in ("no curve", "unfinished"):
         return None, ""
     try:
-        return read_sidecar(folder / PurePosixPath(output_name(row.name, RECORD))), ""
+        return read_record(folder / PurePosixPath(output_name(row.name, RECORD))), ""
     except FaceCRFError:
         return None, NO_RECORD
 

@@ -13,7 +13,7 @@ from typing import Any
 from facecrf_ocio import __version__
 from facecrf_ocio.archive.report.pictures import Pictures, told
 from facecrf_ocio.archive.report.small_curves import DrawnCurve
-from facecrf_ocio.record.sidecar import Sidecar
+from facecrf_ocio.record.calibration_record import Record
 from facecrf_ocio.values import Estimate
 
 _DAMAGE = (ValueError, TypeError, KeyError, RecursionError)
@@ -54,7 +54,7 @@ def summary_in(text: str) -> Summary | None:
         return None
 
 
-def summary_of_record(record: Sidecar) -> Summary:
+def summary_of_record(record: Record) -> Summary:
     """The same of a record that was read."""
     return Summary(told(record.estimate), record.luts)
 

@@ -22,7 +22,7 @@ from facecrf_ocio.values import Estimate, InverseCRF, Photo, frozen
 from facecrf_ocio.wording.expectation import expectation
 from facecrf_ocio.wording.sentence import sentence
 
-SCHEMA = "facecrf sidecar"
+SCHEMA = "facecrf sidecar"  # what a record was called first; files that exist say so
 SCHEMA_VERSION = 2
 """1 wrote all numbers of a curve for each channel; it is read, too."""
 
@@ -36,8 +36,8 @@ _T = TypeVar("_T")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sidecar:
-    """What a sidecar holds.
+class Record:
+    """What a record holds.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class Sidecar:
     luts: tuple[str, ...]
 
 
-def write_sidecar(
+def write_record(
     path: Path,
     photo: Photo,
     estimate: Estimate,
@@ -75,15 +75,15 @@ def write_sidecar(
     OutputError
         If the file exists and `overwrite` is false, or it cannot be written.
     """
-    return write_files([sidecar_draft(path, photo, estimate, settings, luts)], overwrite=overwrite)[
+    return write_files([record_draft(path, photo, estimate, settings, luts)], overwrite=overwrite)[
         0
     ]
 
 
-def sidecar_draft(
+def record_draft(
     path: Path, photo: Photo, estimate: Estimate, settings: Settings, luts: Sequence[Path]
 ) -> Draft:
-    """Return the sidecar to be written, which is read back before it appears."""
+    """Return the record to be written, which is read back before it appears."""
     as_read = _as_read(estimate)  # which is written as the estimate itself, and thinned already
     expected = expectation(as_read)
     record = {
@@ -113,15 +113,15 @@ def _as_read(estimate: Estimate) -> Estimate:
     return replace(estimate, confidence=replace(told, sigma=sigma))
 
 
-def read_sidecar(path: Path) -> Sidecar:
+def read_record(path: Path) -> Record:
     """Read the record of a calibration.
 
     Raises
     ------
     LutError
-        If the file cannot be read, is no sidecar, or comes from a newer version.
+        If the file cannot be read, is no record, or comes from a newer version.
     """
-    return _read(path, _sidecar)
+    return _read(path, _record_in)
 
 
 def read_curve(path: str | Path) -> InverseCRF:
@@ -130,10 +130,10 @@ def read_curve(path: str | Path) -> InverseCRF:
     Raises
     ------
     LutError
-        As `read_sidecar` does, or if the photo could not be calibrated.
+        As `read_record` does, or if the photo could not be calibrated.
     """
     path = Path(path)
-    curve = read_sidecar(path).estimate.found
+    curve = read_record(path).estimate.found
     if curve is None:
         raise LutError(f"{path}: holds no curve, since its photo could not be calibrated")
     return curve
@@ -145,7 +145,7 @@ def read_source(path: Path) -> tuple[Source, tuple[str, ...]]:
     Raises
     ------
     LutError
-        As `read_sidecar` does.
+        As `read_record` does.
     """
     return _read(path, lambda record: (source_in(record["source"]), _read_luts(record)))
 
@@ -179,7 +179,7 @@ def _content(path: Path) -> bytes:
 
 
 def _compare(written: Path, path: Path, estimate: Estimate) -> None:
-    curve, found = read_sidecar(written).estimate.found, estimate.found
+    curve, found = read_record(written).estimate.found, estimate.found
     same = (curve is None) == (found is None)
     if curve is not None and found is not None:
         same = np.array_equal(curve.encoded, found.encoded) and np.array_equal(
@@ -189,7 +189,7 @@ def _compare(written: Path, path: Path, estimate: Estimate) -> None:
         raise LutError(f"{path}: does not read back as written; please report this")
 
 
-# JSON is untyped: what is missing or of the wrong kind raises, and read_sidecar says so.
+# JSON is untyped: what is missing or of the wrong kind raises, and read_record says so.
 def _require_schema(record: Any, path: Path) -> None:
     if record["schema"] != SCHEMA:
         raise ValueError(f"its schema is {record['schema']!r}")
@@ -197,8 +197,8 @@ def _require_schema(record: Any, path: Path) -> None:
         raise LutError(f"{path}: was written by a newer facecrf; update facecrf-ocio to read it")
 
 
-def _sidecar(record: Any) -> Sidecar:
-    return Sidecar(
+def _record_in(record: Any) -> Record:
+    return Record(
         source=source_in(record["source"]),
         estimate=read_estimate(record),
         settings=dict(record["settings"]),

@@ -1,4 +1,4 @@
-"""The sidecar says all there is to say, in JSON that any reader accepts."""
+"""The record says all there is to say, in JSON that any reader accepts."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from hypothesis.extra.numpy import arrays
 
 from facecrf_ocio.errors import LutError, OutputError
 from facecrf_ocio.files import strict_json
+from facecrf_ocio.record.calibration_record import read_record, write_record
 from facecrf_ocio.record.sampled import TOLERANCE, read_rows, thinned
-from facecrf_ocio.record.sidecar import read_sidecar, write_sidecar
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import (
     Camera,
@@ -81,7 +81,7 @@ def refuse(constant: str) -> None:
 
 def test_the_curve_comes_back_to_the_last_digit(tmp_path: Path) -> None:
     given_estimate = estimate()
-    back = read_sidecar(write_sidecar(tmp_path / "a.crf.json", photo(), given_estimate, Settings()))
+    back = read_record(write_record(tmp_path / "a.crf.json", photo(), given_estimate, Settings()))
     assert back.estimate.found is not None
     np.testing.assert_array_equal(back.estimate.found.encoded, given_estimate.curve.encoded)
     np.testing.assert_array_equal(back.estimate.found.linear, given_estimate.curve.linear)
@@ -95,9 +95,9 @@ def test_any_curve_comes_back_to_the_last_digit(
 ) -> None:
     samples = np.array([0.0, *sorted(inner), 1.0])
     curve = InverseCRF(samples, np.stack([samples] * 3))
-    path = tmp_path_factory.mktemp("sidecar") / "a.crf.json"
-    written = write_sidecar(path, photo(), estimate(found=curve), Settings())
-    back = read_sidecar(written).estimate.found
+    path = tmp_path_factory.mktemp("record") / "a.crf.json"
+    written = write_record(path, photo(), estimate(found=curve), Settings())
+    back = read_record(written).estimate.found
     assert back is not None
     np.testing.assert_array_equal(back.encoded, samples)
     np.testing.assert_array_equal(back.linear, curve.linear)
@@ -105,10 +105,10 @@ def test_any_curve_comes_back_to_the_last_digit(
 
 def test_everything_else_comes_back_too(tmp_path: Path) -> None:
     settings = Settings(shared_curve=True, face_width=200)
-    path = write_sidecar(
+    path = write_record(
         tmp_path / "a.crf.json", photo(), estimate(), settings, luts=[tmp_path / "a.spi1d"]
     )
-    back = read_sidecar(path)
+    back = read_record(path)
     assert (back.estimate.outcome, back.estimate.estimator) == (Outcome.CALIBRATED, "face")
     assert (back.estimate.reason, back.estimate.remedy) == ("1 face gave 123 pairs", "")
     assert back.estimate.energy == {"E_p": 1.5, "E_G": -2.0, "E_m": 0.0}
@@ -125,8 +125,8 @@ def test_everything_else_comes_back_too(tmp_path: Path) -> None:
 
 
 def test_confidence_comes_back_to_six_digits(tmp_path: Path) -> None:
-    path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
-    back, known = read_sidecar(path).estimate.confidence, estimate().confidence
+    path = write_record(tmp_path / "a.crf.json", photo(), estimate(), Settings())
+    back, known = read_record(path).estimate.confidence, estimate().confidence
     assert back is not None
     assert known is not None
     assert (back.verdict, back.reasons) == (Verdict.WEAK, ("few pairs", "dark"))
@@ -136,7 +136,7 @@ def test_confidence_comes_back_to_six_digits(tmp_path: Path) -> None:
 
 def old_record(path: Path, given_estimate: Estimate) -> Path:
     """A record as the first version wrote it: all numbers, of all channels."""
-    path = write_sidecar(path, photo(), given_estimate, Settings())
+    path = write_record(path, photo(), given_estimate, Settings())
     record = json.loads(path.read_text("utf-8"))
     curve, told = given_estimate.curve, given_estimate.confidence
     assert told is not None
@@ -170,8 +170,8 @@ def test_what_is_told_in_stops_comes_back(tmp_path: Path) -> None:
         outvoted=("grain",),
     )
     path = tmp_path / "a.crf.json"
-    write_sidecar(path, photo(), replace(known, confidence=told), Settings())
-    back = read_sidecar(path).estimate.confidence
+    write_record(path, photo(), replace(known, confidence=told), Settings())
+    back = read_record(path).estimate.confidence
     assert back is not None
     assert back.in_stops is not None
     assert (back.in_stops.mid, back.in_stops.shadows) == (0.0842, 0.213)
@@ -182,20 +182,20 @@ def test_what_is_told_in_stops_comes_back(tmp_path: Path) -> None:
 
 def test_a_record_from_before_stops_were_told_is_read(tmp_path: Path) -> None:
     path = tmp_path / "a.crf.json"
-    write_sidecar(path, photo(), smooth_estimate(), Settings())
+    write_record(path, photo(), smooth_estimate(), Settings())
     record = json.loads(path.read_text("utf-8"))
     for name in ("expected_stops", "sigma_stops", "nearer_than_srgb", "differs_from_srgb"):
         del record["confidence"][name]
     del record["confidence"]["outvoted"]
     path.write_text(json.dumps(record), "utf-8")
-    back = read_sidecar(path).estimate.confidence
+    back = read_record(path).estimate.confidence
     assert back is not None
     assert (back.in_stops, back.nearer_than_srgb, back.outvoted) == (None, None, ())
 
 
 @pytest.mark.parametrize("given_estimate", [estimate(), smooth_estimate()])
 def test_a_record_of_the_first_version_is_read(given_estimate: Estimate, tmp_path: Path) -> None:
-    back = read_sidecar(old_record(tmp_path / "a.crf.json", given_estimate))
+    back = read_record(old_record(tmp_path / "a.crf.json", given_estimate))
     assert back.estimate.found is not None
     assert back.estimate.confidence is not None
     assert given_estimate.confidence is not None
@@ -211,9 +211,9 @@ def test_a_curve_is_written_once_and_smooth_bands_thinned(tmp_path: Path) -> Non
     given_estimate = smooth_estimate()
     told = given_estimate.confidence
     assert told is not None
-    path = write_sidecar(tmp_path / "a.crf.json", photo(), given_estimate, Settings())
+    path = write_record(tmp_path / "a.crf.json", photo(), given_estimate, Settings())
     assert path.stat().st_size < 100_000
-    back = read_sidecar(path)
+    back = read_record(path)
     assert back.estimate.found is not None
     assert back.estimate.confidence is not None
     np.testing.assert_array_equal(back.estimate.found.encoded, given_estimate.curve.encoded)
@@ -246,25 +246,25 @@ def test_what_was_read_back_is_written_the_same_again(nodes: list[float], bend: 
 
 @pytest.mark.parametrize("at", [[], [1, 3], [0, 3, 2], [0, 0, 3], [0, None], "ab"])
 def test_thinned_numbers_out_of_order_are_no_record(at: object, tmp_path: Path) -> None:
-    path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
+    path = write_record(tmp_path / "a.crf.json", photo(), estimate(), Settings())
     confidence = json.loads(path.read_text("utf-8"))["confidence"]
     odd = {**confidence, "sigma": [{"at": at, "is": [0.1, 0.2, 0.3]}]}
     with pytest.raises(LutError, match=r"a\.crf\.json: is no record of facecrf"):
-        read_sidecar(damaged(path, confidence=odd))
+        read_record(damaged(path, confidence=odd))
 
 
 def test_versions_of_what_made_it_are_told(tmp_path: Path) -> None:
-    path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
-    versions = read_sidecar(path).versions
+    path = write_record(tmp_path / "a.crf.json", photo(), estimate(), Settings())
+    versions = read_record(path).versions
     assert versions["numpy"] == np.__version__
     assert {"facecrf_ocio", "python", "OpenColorIO", "OpenImageIO", "scipy", "OpenCV"} <= set(
         versions
     )
 
 
-def test_a_photo_that_could_not_be_calibrated_has_a_sidecar_too(tmp_path: Path) -> None:
-    path = write_sidecar(tmp_path / "a.crf.json", photo(), not_calibrated(), Settings())
-    back = read_sidecar(path)
+def test_a_photo_that_could_not_be_calibrated_has_a_record_too(tmp_path: Path) -> None:
+    path = write_record(tmp_path / "a.crf.json", photo(), not_calibrated(), Settings())
+    back = read_record(path)
     assert (back.estimate.outcome, back.estimate.found) == (Outcome.NOT_CALIBRATED, None)
     assert (back.estimate.confidence, back.estimate.coefficients, back.estimate.faces) == (
         None,
@@ -279,12 +279,12 @@ def test_a_photo_that_could_not_be_calibrated_has_a_sidecar_too(tmp_path: Path) 
 
 def test_a_photo_in_memory_has_one_too(tmp_path: Path) -> None:
     bare = Photo(np.zeros((2, 3, 3), np.float32))
-    back = read_sidecar(write_sidecar(tmp_path / "a.crf.json", bare, estimate(), Settings()))
+    back = read_record(write_record(tmp_path / "a.crf.json", bare, estimate(), Settings()))
     assert (back.source.name, back.source.sha256, back.source.primaries) == (None, None, None)
 
 
 def test_every_field_of_photo_estimate_and_settings_is_told(tmp_path: Path) -> None:
-    path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
+    path = write_record(tmp_path / "a.crf.json", photo(), estimate(), Settings())
     record = json.loads(path.read_text("utf-8"))
     assert record["settings"] == asdict(Settings())
     renamed = {"found": "curve"}
@@ -300,10 +300,10 @@ def test_the_file_is_strict_json_even_where_numbers_are_not_finite(tmp_path: Pat
         np.full((3, 256), np.nan), np.full((3, 256), np.inf), Verdict.PRIOR_ONLY, ()
     )
     odd = estimate(energy={"E_p": np.float64("nan"), "E_m": np.float32(2)}, confidence=confidence)
-    path = write_sidecar(tmp_path / "a.crf.json", photo(), odd, Settings())
+    path = write_record(tmp_path / "a.crf.json", photo(), odd, Settings())
     record = json.loads(path.read_bytes().decode("utf-8"), parse_constant=refuse)
     assert record["energy"] == {"E_p": None, "E_m": 2.0}
-    back = read_sidecar(path)
+    back = read_record(path)
     assert np.isnan(back.estimate.energy["E_p"])
     assert back.estimate.confidence is not None
     assert np.isnan(back.estimate.confidence.sigma).all()
@@ -311,18 +311,18 @@ def test_the_file_is_strict_json_even_where_numbers_are_not_finite(tmp_path: Pat
 
 @pytest.mark.parametrize("name", ["Zoë 日本 🙂.jpg", 'a "b" $c\\d\n\x00.jpg', "bytes \udcff.jpg"])
 def test_any_name_of_a_photo_comes_back(name: str, tmp_path: Path) -> None:
-    path = write_sidecar(tmp_path / "a.crf.json", photo(name), estimate(), Settings())
-    assert read_sidecar(path).source.name == name
+    path = write_record(tmp_path / "a.crf.json", photo(name), estimate(), Settings())
+    assert read_record(path).source.name == name
     json.loads(path.read_bytes().decode("utf-8"), parse_constant=refuse)
 
 
-def test_an_existing_sidecar_stays_unless_overwriting_is_asked_for(tmp_path: Path) -> None:
-    path = write_sidecar(tmp_path / "a.crf.json", photo(), not_calibrated(), Settings())
+def test_an_existing_record_stays_unless_overwriting_is_asked_for(tmp_path: Path) -> None:
+    path = write_record(tmp_path / "a.crf.json", photo(), not_calibrated(), Settings())
     with pytest.raises(OutputError, match=r"a\.crf\.json: exists already; pass overwrite=True"):
-        write_sidecar(path, photo(), estimate(), Settings())
-    assert read_sidecar(path).estimate.found is None
-    write_sidecar(path, photo(), estimate(), Settings(), overwrite=True)
-    assert read_sidecar(path).estimate.found is not None
+        write_record(path, photo(), estimate(), Settings())
+    assert read_record(path).estimate.found is None
+    write_record(path, photo(), estimate(), Settings(), overwrite=True)
+    assert read_record(path).estimate.found is not None
 
 
 def damaged(path: Path, **changes: Any) -> Path:
@@ -344,10 +344,10 @@ BAD_RECORDS: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.parametrize("name", BAD_RECORDS)
-def test_a_changed_sidecar_is_told_in_one_line(name: str, tmp_path: Path) -> None:
-    path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
+def test_a_changed_record_is_told_in_one_line(name: str, tmp_path: Path) -> None:
+    path = write_record(tmp_path / "a.crf.json", photo(), estimate(), Settings())
     with pytest.raises(LutError, match=r"a\.crf\.json: is no record of facecrf") as caught:
-        read_sidecar(damaged(path, **BAD_RECORDS[name]))
+        read_record(damaged(path, **BAD_RECORDS[name]))
     assert "\n" not in str(caught.value)
 
 
@@ -358,19 +358,19 @@ def test_other_files_are_told_in_one_line(content: bytes, tmp_path: Path) -> Non
     path = tmp_path / "a.crf.json"
     path.write_bytes(content)
     with pytest.raises(LutError, match=r"a\.crf\.json: is no record of facecrf") as caught:
-        read_sidecar(path)
+        read_record(path)
     assert "\n" not in str(caught.value)
 
 
-def test_a_newer_sidecar_asks_for_an_update(tmp_path: Path) -> None:
-    path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
+def test_a_newer_record_asks_for_an_update(tmp_path: Path) -> None:
+    path = write_record(tmp_path / "a.crf.json", photo(), estimate(), Settings())
     with pytest.raises(LutError, match="was written by a newer facecrf; update"):
-        read_sidecar(damaged(path, schema_version=3))
+        read_record(damaged(path, schema_version=3))
 
 
-def test_a_missing_sidecar_is_told(tmp_path: Path) -> None:
+def test_a_missing_record_is_told(tmp_path: Path) -> None:
     with pytest.raises(LutError, match=r"a\.crf\.json: cannot be read: no such file"):
-        read_sidecar(tmp_path / "a.crf.json")
+        read_record(tmp_path / "a.crf.json")
 
 
 @pytest.mark.parametrize(
@@ -386,21 +386,21 @@ def test_a_missing_sidecar_is_told(tmp_path: Path) -> None:
     ],
 )
 def test_absurd_numbers_and_names_are_refused_at_once(tmp_path: Path, absurd: Any) -> None:
-    path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
+    path = write_record(tmp_path / "a.crf.json", photo(), estimate(), Settings())
     with pytest.raises(LutError, match="is no record of facecrf, or was changed"):
-        read_sidecar(damaged(path, **absurd))
+        read_record(damaged(path, **absurd))
 
 
 def test_a_number_beyond_what_floats_hold_and_a_huge_file_are_refused(tmp_path: Path) -> None:
-    path = write_sidecar(tmp_path / "a.crf.json", photo(), estimate(), Settings())
+    path = write_record(tmp_path / "a.crf.json", photo(), estimate(), Settings())
     content = path.read_bytes()
     path.write_bytes(content.replace(b'"score": 0.875', b'"score": 1e999'))
     with pytest.raises(LutError, match="more than a number can hold"):
-        read_sidecar(path)
+        read_record(path)
     with path.open("wb") as file:
         file.truncate(1 << 40)  # a terabyte of nothing
     with pytest.raises(LutError, match="more than 32 MB"):
-        read_sidecar(path)
+        read_record(path)
 
 
 @pytest.mark.parametrize("number", [b"1e999", b"-2.5E+400", b"1" + 400 * b"0" + b".0"])
