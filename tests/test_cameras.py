@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 
 import numpy as np
 import pytest
 from command_line import CommandLine
 
 from facecrf_ocio.cameras.known_cameras import (
+    FORMAT,
+    KnownCamera,
     matching,
     names_of,
     read_registry,
     shipped_cameras,
+    write_registry,
 )
 from facecrf_ocio.cameras.maker_names import camera_name, one_spelling
 from facecrf_ocio.record.outputs import write_outputs
@@ -159,6 +163,28 @@ def test_a_measurement_is_added_listed_exported_and_merged(capfd, tmp_path, regi
     monkeypatch.setenv("FACECRF_CAMERAS", str(tmp_path / "theirs.json"))
     for _ in range(2):
         assert "json: 1 camera\n" in run("cameras", "merge", tmp_path / "mine.json").out
+
+
+def known(linear):
+    return KnownCamera("Acme", "One", "", "chart", "C", 0.08, "by hand", linear)
+
+
+def test_a_curve_that_all_channels_share_is_stored_once(tmp_path):
+    row = tuple(np.linspace(0.0, 1.0, 5).tolist())
+    other = tuple(np.square(row).tolist())
+    for linear, stored in (((row,) * 3, 1), ((row, row, other), 3)):
+        write_registry(tmp_path / "a.json", [known(linear)], overwrite=True)
+        (entry,) = json.loads((tmp_path / "a.json").read_text())["cameras"]
+        assert len(entry["linear"]) == stored
+        assert read_registry(tmp_path / "a.json") == (known(linear),)
+
+
+def test_a_registry_with_three_like_rows_is_read(tmp_path):
+    """As earlier copies wrote them."""
+    linear = ((0.0, 0.25, 1.0),) * 3
+    stored = {"format": FORMAT, "cameras": [asdict(known(linear))]}
+    (tmp_path / "a.json").write_text(json.dumps(stored))
+    assert read_registry(tmp_path / "a.json") == (known(linear),)
 
 
 def test_an_estimate_is_no_measurement(capfd, tmp_path, registry):

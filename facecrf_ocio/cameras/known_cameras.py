@@ -19,7 +19,7 @@ from facecrf_ocio.cameras.maker_names import maker_of
 from facecrf_ocio.errors import FaceCRFError, LutError, OutputError
 from facecrf_ocio.files.atomic import Draft, write_files
 from facecrf_ocio.response.model import inverse_crf
-from facecrf_ocio.values import InverseCRF
+from facecrf_ocio.values import CHANNELS, InverseCRF
 
 POINTS = 256
 """Code values at which a registry keeps a curve."""
@@ -145,7 +145,8 @@ def read_registry(path: Path) -> tuple[KnownCamera, ...]:
 
 def write_registry(path: Path, cameras: Iterable[KnownCamera], *, overwrite: bool) -> None:
     """Write a registry, whole or not at all, its entries in order."""
-    entries = [asdict(one) for one in sorted(cameras, key=lambda one: one.key)]
+    ordered = sorted(cameras, key=lambda one: one.key)
+    entries = [{**asdict(one), "linear": _without_repeats(one.linear)} for one in ordered]
     lines = ",\n".join(json.dumps(entry) for entry in entries)
     text = f'{{"format": "{FORMAT}", "cameras": [\n{lines}\n]}}\n'
     try:
@@ -182,13 +183,24 @@ def matching(cameras: Iterable[KnownCamera], make: str, model: str) -> tuple[Kno
     return tuple(sorted(found, key=lambda one: (one.grade, one.spread_stops)))
 
 
+def _without_repeats(linear: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
+    """One row for channels that are all alike."""
+    return linear[:1] if len(set(linear)) == 1 else linear
+
+
+def _of_channels(rows: Any) -> tuple[tuple[float, ...], ...]:
+    """Three rows, of as many or of one that all channels share."""
+    linear = tuple(map(tuple, rows))
+    return linear * len(CHANNELS) if len(linear) == 1 else linear
+
+
 def _parsed(path: Path, text: str) -> tuple[KnownCamera, ...]:
     try:
         stored: Any = json.loads(text)
         if stored["format"] != FORMAT:
             raise ValueError("another format")
         cameras = tuple(
-            KnownCamera(**{**one, "linear": tuple(map(tuple, one["linear"]))})
+            KnownCamera(**{**one, "linear": _of_channels(one["linear"])})
             for one in stored["cameras"]
         )
         for camera in cameras:
