@@ -45,7 +45,6 @@ def chart_curves(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """The file of cameras measured by charts, of the checkout as well."""
     checkout = Path(__file__).parents[1] / "examples" / "results" / "chart_cameras.npz"
     monkeypatch.setattr("facecrf_ocio.benchmark.chart_cameras.CHART_CAMERAS", checkout)
-    monkeypatch.setattr("facecrf_ocio.benchmark.joint_folds.CHART_CAMERAS", checkout)
     chart_cameras.cache_clear()
     yield checkout
     chart_cameras.cache_clear()

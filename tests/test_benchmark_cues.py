@@ -14,7 +14,7 @@ from facecrf_ocio.benchmark import joint_folds
 from facecrf_ocio.benchmark.cases import PAPER, Plan
 from facecrf_ocio.benchmark.cue_shares import run_cues
 from facecrf_ocio.benchmark.images import find_linear_images
-from facecrf_ocio.benchmark.joint_folds import DORF, FOLDS, MODERN, STACKS, joint_model
+from facecrf_ocio.benchmark.joint_folds import CHARTS, DORF, FOLDS, MODERN, STACKS, joint_model
 from facecrf_ocio.benchmark.metrics import score
 from facecrf_ocio.benchmark.responses import read_responses
 from facecrf_ocio.benchmark.workbench import Workbench
@@ -87,7 +87,7 @@ def test_the_command_writes_its_tables(folder, tmp_path):
 def test_what_was_trained_with_is_held_out_by_weights_without_it(folder):
     strange = read_responses(folder / "curves.npz")
     assert joint_model(strange, 1) is shipped_joint()
-    for sha256 in (DORF, MODERN, STACKS):
+    for sha256 in (DORF, MODERN, STACKS, CHARTS):
         known = replace(strange, sha256=sha256)
         models = [joint_model(known, fold) for fold in range(FOLDS)]
         assert len({id(model) for model in (shipped_joint(), *models)}) == FOLDS + 1

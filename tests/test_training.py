@@ -14,6 +14,7 @@ from photo_files import write
 
 from facecrf_ocio import Photo
 from facecrf_ocio.benchmark.joint_folds import held_out_joint
+from facecrf_ocio.benchmark.responses import read_responses
 from facecrf_ocio.joint import conclude, gather, load_joint
 from facecrf_ocio.joint.messages import COMBINED
 from facecrf_ocio.joint.statistics import CUES
@@ -103,6 +104,16 @@ def test_a_measured_response_is_drawn_as_it_is(source):
         drawn = source.draw(generator, measured=True)
         known = (source.dorf, source.modern)[drawn.family][drawn.row]
         assert np.array_equal(drawn.inverse, known)
+
+
+def test_nine_models_of_a_maker_are_drawn_as_often_as_three_of_others():
+    makers = (*"A" * 9, *"BCD") * 4
+    curves = np.array([GRID**e for e in np.linspace(1.8, 2.6, len(makers))])
+    source = CurveSource(curves, curves, tuple(np.repeat(KINDS[:4], 12)), makers)
+    generator = np.random.default_rng(0)
+    drawn = [source.draw(generator, measured=True) for _ in range(3000)]
+    of_a = [makers[d.row] == "A" for d in drawn if d.family == 1]
+    assert np.mean(of_a) == pytest.approx(0.5, abs=0.05)
 
 
 def test_strangers_are_mixed_and_named(source):
@@ -244,9 +255,9 @@ def test_a_held_out_fold_sees_none_of_its_rows():
     assert not left_out("dorf4", of_rows(1, [180], [190]), Data(None)).any()
 
 
-@pytest.mark.parametrize("file", ["modern", "stacks"])
-def test_a_maker_held_out_is_in_no_mixture_and_in_neither_file(development_data, file):
-    source = Data(development_data)
+@pytest.mark.parametrize("file", ["modern", "stacks", "charts"])
+def test_a_maker_held_out_is_in_no_mixture_and_in_no_file(development_data, chart_curves, file):
+    source = Data(development_data, chart_curves)
     makers = np.array(source.curves().maker)
     numbers = range(len(makers))
     folds = [name for name in held_out_names() if name.startswith(file)]
@@ -258,17 +269,17 @@ def test_a_maker_held_out_is_in_no_mixture_and_in_neither_file(development_data,
         assert not gone & set(makers[~without])
         mixed = left_out(name, of_rows(1, [NO_ROW] * len(makers), numbers), source)
         assert (mixed == without).all()
-    of_file = makers[-20:] if file == "stacks" else makers[:-20]
-    assert set().union(*held_out) == set(of_file)
+    assert set().union(*held_out) == set(read_responses(source.digital[file]).families)
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("chart_curves")
 def test_what_is_fitted_can_be_loaded_and_asked(head, around, source, tmp_path):
     fit = pytest.importorskip("facecrf_ocio.training.fit", reason="needs the extra train")
     cv2.setNumThreads(1)
     write_part(tmp_path / "part.npz", list(simulate([head], around, source, 300, [2])))
     examples = read_parts([tmp_path / "part.npz"], KINDS)
-    fit.fit_joint(tmp_path / "model.npz", examples, fit.Training(epochs=2, members=1), None, {})
+    fit.fit_joint(tmp_path / "model.npz", examples, fit.Training(epochs=2, members=1), None, (), {})
     model = load_joint(tmp_path / "model.npz")
     by_cue = {c: v[0].astype(float) for c, v in examples.by_cue.items() if np.isfinite(v[0]).all()}
     messages = model.networks.messages(by_cue)

@@ -21,7 +21,9 @@ from facecrf_ocio.joint.prior import FAMILIES, FamilyPrior
 CHART_CAMERAS = Path(__file__).parents[2] / "examples" / "results" / "chart_cameras.npz"
 """In a checkout, as the weights that hold responses out are."""
 
-_FITTED = 20  # components that are fitted to drawn responses (`training/fit.py`)
+FITTED = (8, 6, 6)
+"""Components of each family that are fitted to drawn responses; this one stands behind them."""
+
 _SHARE = 0.5  # of the cameras' family, as none is known to be likelier; chosen by judgment
 # Of what coefficients have in common: so few cameras tell no correlation of twelve for sure.
 _ALONE = 0.3
@@ -42,7 +44,7 @@ def maker_of(name: str) -> str:
 
 def fitted_prior(prior: FamilyPrior) -> FamilyPrior:
     """A prior without the component of chart cameras, as it was fitted to drawn responses."""
-    fitted = slice(0, _FITTED)
+    fitted = slice(0, sum(FITTED))
     family = prior.family[fitted]
     number = np.array([(family == one).sum() for one in family])
     return replace(

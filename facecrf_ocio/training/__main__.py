@@ -67,7 +67,7 @@ def simulate_command(data: Path, parts: int, seed: int, processes: int, output: 
 @click.option(
     "--without",
     type=click.Choice(held_out_names()),
-    help="Responses to hold out: a fold of DoRF, or of makers in one of the two other files.",
+    help="Responses to hold out: a fold of DoRF, or of makers in one of the other files.",
 )
 @click.option("--parts", default=PARTS, show_default=True)
 @click.option("--epochs", default=EPOCHS, show_default=True)
@@ -83,7 +83,8 @@ def fit_command(folder: Path, data: Path, without: str | None, **choices: Any) -
     kept = examples if without is None else examples.where(~left_out(without, examples, source))
     training = Training(epochs=choices["epochs"], members=choices["members"])
     told = {"parts": len(paths), "data_sha256": source.digests()}
-    fit_joint(choices["output"], kept, training, without, told)
+    makers = () if without is None else makers_left_out(without, source)
+    fit_joint(choices["output"], kept, training, without, makers, told)
 
 
 @main.command("charts")
@@ -178,9 +179,8 @@ def reproduce_command(
     told = {"parts": len(paths), "seed": seed, "data_sha256": source.digests()}
     training = Training(epochs=choices["epochs"], members=choices["members"])
     if not output.exists():
-        fit_joint(output, examples, training, None, told)
+        fit_joint(output, examples, training, None, (), told)
     if held_out is None:
-        with_cameras(output, {})
         return
     made = {}
     for name in held_out_names():
@@ -188,11 +188,8 @@ def reproduce_command(
         if not made[name].exists():
             kept = examples.where(~left_out(name, examples, source))
             alone = replace(training, members=HELD_OUT_MEMBERS)
-            fit_joint(made[name], kept, alone, name, told)
+            fit_joint(made[name], kept, alone, name, makers_left_out(name, source), told)
     pack(held_out, made)
-    makers = _makers_left_out(source)
-    for path in (output, held_out):
-        with_cameras(path, makers)
     _measure_and_set(source, held_out, choices["band_photos"], BAND_SEED, (output, held_out))
 
 

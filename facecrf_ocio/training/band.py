@@ -70,16 +70,16 @@ class _Names:
 
     def __init__(self, data: Data) -> None:
         self._film = fold_of_rows(len(data.curves().dorf))
-        self._published, self._solved = (
-            assign_folds(read_responses(path), FOLDS) for path in (data.modern, data.stacks)
-        )
+        self._digital = [
+            f"{file}{fold}"
+            for file, path in data.digital.items()
+            for fold in assign_folds(read_responses(path), FOLDS)
+        ]
 
     def of(self, drawn: Draw) -> str:
         if drawn.family == 0:
             return f"dorf{self._film[drawn.row]}"
-        if drawn.row >= len(self._published):
-            return f"stacks{self._solved[drawn.row - len(self._published)]}"
-        return f"modern{self._published[drawn.row]}"
+        return self._digital[drawn.row]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -110,10 +110,16 @@ class CurveSource:
         odds = 1.0 + 2.0 * np.minimum(distance / _RARE, 1.0)
         return np.asarray(odds / odds.sum())
 
+    def _odds_of_models(self, rows: Index) -> Float:
+        """Models of one maker are alike: nine of them are drawn as often as three of others."""
+        makers = [self.maker[row] for row in rows]
+        odds = np.array([makers.count(maker) ** -0.5 for maker in makers])
+        return np.asarray(odds / odds.sum())
+
     def _modern(self, generator: np.random.Generator, measured: bool) -> tuple[int, int, Float]:
         kind = str(generator.choice(list(_KINDS), p=list(_KINDS.values())))
         rows = np.flatnonzero([k == kind for k in self.kind])
-        row = int(generator.choice(rows))
+        row = int(generator.choice(rows, p=self._odds_of_models(rows)))
         curve = self.modern[row]
         if measured or generator.random() < 0.3:
             return row, NO_ROW, curve

@@ -7,7 +7,7 @@ to the others, not what it could claim alone.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+from facecrf_ocio.benchmark.chart_cameras import FITTED, with_chart_cameras
 from facecrf_ocio.joint.familiarity import fit_familiarity
 from facecrf_ocio.joint.messages import COMBINED, FARTHEST, LOG_PRECISION
 from facecrf_ocio.joint.prior import FAMILIES, FamilyPrior
@@ -28,8 +29,6 @@ from facecrf_ocio.training.weights import describe, save_joint
 from facecrf_ocio.values import Float, Index
 
 COEFFICIENTS = 12  # eleven of them meet the 20 solved responses to 0.034 stops over codes 16 to 64
-COMPONENTS = (8, 6, 6)
-"""Of each family's mixture."""
 HIDDEN = (56, 48)  # units of one cue; chosen by judgment
 HIDDEN_COMBINED = (192, 96)  # units; 96 and 64 made no difference (0.106 stops)
 _BATCH = 256  # photos; chosen by judgment
@@ -88,17 +87,17 @@ def fit_prior(inverse: Float, family: Index) -> tuple[FamilyPrior, Float]:
     analysis = (vectors / scale).T
     points = (roots - mean) @ analysis
     mixtures = [
-        fit_mixture(points[family == f][:4000], COMPONENTS[f], floor=3e-3, tolerance=1e-6)
+        fit_mixture(points[family == f][:4000], FITTED[f], floor=3e-3, tolerance=1e-6)
         for f in range(len(FAMILIES))
     ]
     prior = FamilyPrior(
         np.linspace(0.0, 1.0, mean.size),
         mean,
         vectors * scale,
-        np.concatenate([np.full(size, 1.0 / size) for size in COMPONENTS]) / len(FAMILIES),
+        np.concatenate([np.full(size, 1.0 / size) for size in FITTED]) / len(FAMILIES),
         np.concatenate([m.means for m in mixtures]),
         np.concatenate([m.covariances for m in mixtures]),
-        np.repeat(np.arange(len(FAMILIES)), COMPONENTS),
+        np.repeat(np.arange(len(FAMILIES)), FITTED),
     )
     return prior, analysis
 
@@ -186,14 +185,25 @@ def fit_joint(
     examples: Examples,
     training: Training,
     held_out: str | None,
+    without: Collection[str],
     simulated: Mapping[str, Any],
 ) -> None:
     """Fit prior and networks, and write them with what made them.
 
-    `simulated` is what the file shall tell of how the examples were made.
+    Parameters
+    ----------
+    path
+        To write.
+    examples, training
+        What is fitted to, and how.
+    held_out, without
+        Name of the weights that the bench needs, and the makers that they must not see.
+    simulated
+        What the file shall tell of how the examples were made.
     """
     torch.set_num_threads(1)
     prior, analysis = fit_prior(np.asarray(examples.inverse, np.float64), examples.family_of_kind)
+    prior = with_chart_cameras(prior, without)
     members = [
         fit_networks(examples, prior, analysis, training, seed) for seed in range(training.members)
     ]

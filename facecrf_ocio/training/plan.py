@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from facecrf_ocio.benchmark.chart_cameras import CHART_CAMERAS
 from facecrf_ocio.benchmark.folds import assign_folds
 from facecrf_ocio.benchmark.joint_folds import FOLDS
 from facecrf_ocio.benchmark.responses import read_responses
@@ -24,7 +25,7 @@ MEMBERS = 2  # networks a cue, which are averaged; a third takes 1 % of the erro
 HELD_OUT_MEMBERS = 1  # the bench needs fifteen, each fitted anew
 BAND_PHOTOS = 300  # that the band is measured with: 25 of each head `dev_*`
 BAND_SEED = 2  # any but that of training
-_FILES = ("dorf", "modern", "stacks")  # as `benchmark.joint_folds` names them
+_FILES = ("dorf", "modern", "stacks", "charts")  # as `benchmark.joint_folds` names them
 _DORF_ROWS = 201  # responses in Columbia's file
 _VALIDATION_SCENES = 3  # the first pictures of surroundings are kept for looking at the results
 
@@ -37,9 +38,12 @@ class Data:
     ----------
     root
         Folder with `crf`, `faces/rendered/img` and `scenes`.
+    charts
+        Responses measured by charts.
     """
 
     root: Path
+    charts: Path = CHART_CAMERAS
 
     @property
     def dorf(self) -> Path:
@@ -47,14 +51,11 @@ class Data:
         return self.root / "crf" / "dorf_201_curves.mat"
 
     @property
-    def modern(self) -> Path:
-        """Published responses of digital cameras."""
-        return self.root / "crf" / "modern_dev.npz"
-
-    @property
-    def stacks(self) -> Path:
-        """Responses solved from exposure stacks."""
-        return self.root / "crf" / "modern_stacks.npz"
+    def digital(self) -> dict[str, Path]:
+        """Responses of digital cameras: published, solved from exposure stacks, by charts."""
+        folder = self.root / "crf"
+        published, solved = folder / "modern_dev.npz", folder / "modern_stacks.npz"
+        return {"modern": published, "stacks": solved, "charts": self.charts}
 
     def heads(self) -> list[Path]:
         """Rendered heads to train with; those named `dev_*` are for validation."""
@@ -74,7 +75,7 @@ class Data:
 
     def digests(self) -> dict[str, str]:
         """SHA-256 of each file of responses, and of all heads and of all scenes together."""
-        groups = {path.name: [path] for path in (self.dorf, self.modern, self.stacks)}
+        groups = {path.name: [path] for path in (self.dorf, *self.digital.values())}
         groups |= {"heads": self.heads(), "scenes": self.scenes()}
         return {
             name: hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()
@@ -82,8 +83,8 @@ class Data:
         }
 
     def curves(self) -> CurveSource:
-        """All responses; those of the stacks come last."""
-        return read_curves(self.dorf, self.modern, self.stacks)
+        """All responses, the digital ones in the order of `digital`."""
+        return read_curves(self.dorf, *self.digital.values())
 
 
 def held_out_names() -> tuple[str, ...]:
@@ -94,7 +95,7 @@ def held_out_names() -> tuple[str, ...]:
 def left_out(name: str, examples: Examples, data: Data) -> npt.NDArray[np.bool_]:
     """Which examples hold a response, alone or mixed, that weights of this name must not see.
 
-    A maker is held out of both files of digital cameras.
+    A maker is held out of all files of digital cameras.
     """
     if name.startswith("dorf"):
         rows = np.flatnonzero(~rows_outside(int(name[4:]), _DORF_ROWS))
@@ -110,7 +111,7 @@ def makers_left_out(name: str, data: Data) -> tuple[str, ...]:
     file, fold = name[:-1], int(name[-1])
     if file == "dorf":
         return ()
-    responses = read_responses(data.modern if file == "modern" else data.stacks)
+    responses = read_responses(data.digital[file])
     of_fold = np.array(responses.families)[assign_folds(responses, FOLDS) == fold]
     return tuple(sorted(set(of_fold.tolist())))
 
