@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -98,11 +98,13 @@ def conclude(
     weights = model.prior.weights_for(prior, *np.mean(leanings, axis=0).tolist())
     known = known_responses((one.camera for one in telling), model.prior, cameras)
     stretches = {n: e.stretch * stretch_of_exposure(e.coverage) for n, e in named.items()}
-    posterior, dissent = _fused(named, stretches, model.prior, weights, known, correlation)
-    posterior = besides(posterior) if besides and telling else posterior
+    fused = _fused(named, stretches, model.prior, weights, known, correlation)
+    dissent = fused.outvoted
+    posterior = besides(fused.posterior) if besides and telling else fused.posterior
     alike = strictly_increasing([model.prior.samples(posterior.mean)] * len(CHANNELS))
     found = inverse_crf(model.prior.grid, alike)
-    confidence = _confidence(telling, posterior, found, model, dissent)
+    stops_scale = fused.families @ model.stops_scale
+    confidence = _confidence(telling, posterior, found, model, stops_scale, dissent)
     confidence = doubted(_with_cameras(confidence, telling, known, dissent), _doubts_of(named))
     if telling and not known:
         confidence = doubted(confidence, doubts_of_exposure([e.coverage for e in telling]))
@@ -179,10 +181,37 @@ def misfit(evidence: PhotoEvidence, estimate: Estimate, model: JointModel | None
         return 0.0
     weights = model.prior.weights_for("auto", evidence.leaning, evidence.phone)
     # Edits darken faces too, and must not hide behind that: the stretch is what cues say.
-    own, _ = _fused({"photo": evidence}, {"photo": evidence.stretch}, model.prior, weights, {})
+    stretch = {"photo": evidence.stretch}
+    own = _fused({"photo": evidence}, stretch, model.prior, weights, {}).posterior
     offset = own.mean - estimate.coefficients[0]
     distance = float(offset @ np.linalg.solve(own.covariance, offset))
     return float(np.sqrt(distance / offset.size))
+
+
+def families_of(evidence: PhotoEvidence, model: JointModel) -> Float:
+    """(F,) share of each of the prior's families in what one photo leaves of it."""
+    weights = model.prior.weights_for("auto", evidence.leaning, evidence.phone)
+    stretch = {"photo": evidence.stretch}
+    return _fused({"photo": evidence}, stretch, model.prior, weights, {}).families
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Fused:
+    """What all photos leave of the prior.
+
+    Attributes
+    ----------
+    posterior
+        Over the prior's coefficients.
+    families
+        (F,) share of each of the prior's families in it.
+    outvoted
+        Cues or photos that the others outvoted.
+    """
+
+    posterior: Posterior
+    families: Float
+    outvoted: tuple[str, ...] = ()
 
 
 def _fused(
@@ -192,8 +221,8 @@ def _fused(
     weights: Float,
     known: Mapping[tuple[str, str], KnownResponse],
     correlation: float = PHOTO_CORRELATION,
-) -> tuple[Posterior, tuple[str, ...]]:
-    """What all photos leave of the prior, and which cues or photos the others outvoted.
+) -> _Fused:
+    """What all photos leave of the prior.
 
     Photos are averaged as posteriors and not multiplied as likelihoods: the networks were trained
     for what one photo's messages leave of the prior, and several photos share what is wrong in it.
@@ -217,7 +246,7 @@ def _fused(
             shares[_measured(camera)] = share
         outvoted += [_NAMES.get(cue, cue) for cue, share in shares.items() if share < 0.5]
     if not of_photos:
-        return prior.posterior(None, weights), ()
+        return _Fused(prior.posterior(None, weights), prior.shares_of_families(weights))
     shares = agreeing_shares(of_photos, prior, weights)
     outvoted += [photo for photo, share in shares.items() if share < 0.5]
     posteriors = [
@@ -230,7 +259,8 @@ def _fused(
     ]
     alone = len(posteriors) == 1
     pooled = posteriors[0] if alone else average(posteriors, trust, correlation)
-    return _times_cameras(pooled, known, of_cameras), tuple(outvoted)
+    families = np.mean([prior.shares_of_families(one.weights) for one in posteriors], axis=0)
+    return _Fused(_times_cameras(pooled, known, of_cameras), families, tuple(outvoted))
 
 
 def _times_cameras(
@@ -250,6 +280,7 @@ def _confidence(
     posterior: Posterior,
     found: InverseCRF,
     model: JointModel,
+    stops_scale: Float,
     outvoted: tuple[str, ...],
 ) -> Confidence:
     prior = model.prior
@@ -257,10 +288,10 @@ def _confidence(
     sigma = np.tile(np.interp(found.encoded, prior.grid, alike), (len(CHANNELS), 1))
     if not telling:
         nothing = "nothing in the photo was used: this is the prior's mean and spread"
-        in_stops, _ = judge(posterior, found, prior, model.band_scale, model.stops_scale)
+        in_stops, _ = judge(posterior, found, prior, model.band_scale, stops_scale)
         nowhere = np.zeros_like(sigma)
         return Confidence(sigma, nowhere, Verdict.PRIOR_ONLY, (nothing,), in_stops)
     total = np.sum([e.coverage for e in telling], axis=0)
     coverage = np.array([coverage_at(found.encoded, counts) for counts in total])
-    in_stops, nearer = judge(posterior, found, prior, model.band_scale, model.stops_scale)
+    in_stops, nearer = judge(posterior, found, prior, model.band_scale, stops_scale)
     return Confidence(sigma, coverage, verdict_of(in_stops), (), in_stops, nearer, outvoted)

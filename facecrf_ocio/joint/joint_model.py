@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
@@ -11,11 +11,11 @@ import numpy as np
 
 from facecrf_ocio.files.stored_arrays import load_arrays
 from facecrf_ocio.joint.messages import Networks, networks_of
-from facecrf_ocio.joint.prior import FamilyPrior, prior_of
-from facecrf_ocio.values import Float
+from facecrf_ocio.joint.prior import FAMILIES, FamilyPrior, prior_of
+from facecrf_ocio.values import Float, frozen
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class JointModel:
     """All that was learned: the prior, the networks, and how much too narrow the posterior is.
 
@@ -29,14 +29,15 @@ class JointModel:
         Factor on the posterior's deviation that makes bands cover as they say, measured on heads
         that were not trained on.
     stops_scale
-        Factors on the expected errors in stops over codes 64 to 235 and 16 to 64, measured on the
-        same: light near black is far from Gaussian in stops.
+        (F, 2) factors on the expected errors in stops over codes 64 to 235 and 16 to 64, for each
+        family of the prior, measured on the same: light near black is far from Gaussian in stops,
+        and responses of film differ in more ways than those of digital cameras.
     """
 
     prior: FamilyPrior
     networks: Networks
     band_scale: float = 1.0
-    stops_scale: tuple[float, float] = (1.0, 1.0)
+    stops_scale: Float = field(default_factory=lambda: np.ones((len(FAMILIES), 2)))
 
 
 def load_joint(path: Path) -> JointModel:
@@ -46,12 +47,11 @@ def load_joint(path: Path) -> JointModel:
 
 def joint_of(arrays: Mapping[str, Float]) -> JointModel:
     """The model in the arrays of a file of weights."""
-    scales = arrays.get("stops_scale", np.ones(2))
     return JointModel(
         prior_of(arrays),
         networks_of(arrays),
         float(arrays["band_scale"]),
-        (float(scales[0]), float(scales[1])),
+        frozen(arrays["stops_scale"]),
     )
 
 

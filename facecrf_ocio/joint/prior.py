@@ -187,6 +187,11 @@ class FamilyPrior:
         weights = self.weights * odds[self.family.astype(np.intp)]
         return np.asarray(weights / weights.sum())
 
+    def shares_of_families(self, weights: Float) -> Float:
+        """(F,) how much of components' weights (C,) is each family's, as `FAMILIES` has them."""
+        of_family = np.bincount(self.family.astype(np.intp), weights, len(FAMILIES))
+        return np.asarray(of_family / weights.sum())
+
     def posterior(self, message: Message | None, weights: Float) -> Posterior:
         """What a likelihood leaves of the prior."""
         before = Posterior(weights, self.means, self.covariances)

@@ -55,7 +55,7 @@ def judge(
     found: InverseCRF,
     prior: FamilyPrior,
     band_scale: float,
-    stops_scale: tuple[float, float] = (1.0, 1.0),
+    stops_scale: Float | tuple[float, float] = (1.0, 1.0),
 ) -> tuple[InStops, float]:
     """The expected error, and the share of possible curves that `found` is nearer to than sRGB.
 
@@ -68,7 +68,7 @@ def judge(
     prior
         What coefficients mean.
     band_scale, stops_scale
-        As `JointModel` explains.
+        As `JointModel` explains, the latter (2,) for this photo's families.
     """
     truths = _rising_draws(posterior, prior, band_scale)
     estimate = found.linear[0]

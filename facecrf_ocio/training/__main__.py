@@ -13,6 +13,7 @@ from typing import Any
 
 import click
 
+from facecrf_ocio.joint.prior import FAMILIES
 from facecrf_ocio.training.parts import read_parts
 from facecrf_ocio.training.plan import (
     BAND_PHOTOS,
@@ -137,9 +138,10 @@ def _measure_and_set(
     found = measure_band(data, held_out, photos, seed)
     click.echo(
         f"{len(found.of_photos)} photos: 90 % of all codes within {found.band_scale:.3f} of a 90 % "
-        f"band; errors in stops over expected ones {found.stops_scale[0]:.3f} over codes 64 to "
-        f"235, {found.stops_scale[1]:.3f} over 16 to 64"
+        "band; errors in stops over expected ones, over codes 64 to 235 and over 16 to 64:"
     )
+    for family, (mid, shadows) in zip(FAMILIES, found.stops_scale, strict=True):
+        click.echo(f"{family}: {mid:.3f}, {shadows:.3f}")
     command = f"python -m facecrf_ocio.training band --photos {photos} --seed {seed}"
     for path in weights:
         with_band(path, found.band_scale, found.stops_scale, command)

@@ -203,7 +203,6 @@ def fit_joint(
     """
     torch.set_num_threads(1)
     prior, analysis = fit_prior(np.asarray(examples.inverse, np.float64), examples.family_of_kind)
-    prior = with_chart_cameras(prior, without)
     members = [
         fit_networks(examples, prior, analysis, training, seed) for seed in range(training.members)
     ]
@@ -214,6 +213,9 @@ def fit_joint(
         **asdict(training),
         **simulated,
     }
+    # Not before: networks that are fitted beside it trust it too much, since it was made of curves
+    # that they see, and err more through those of other makers.
+    prior = with_chart_cameras(prior, without)
     save_joint(path, prior, members, fit_familiarity(_standardized(examples)), describe(made))
 
 

@@ -23,7 +23,7 @@ from facecrf_ocio.training.process import Process, Response, photograph
 from facecrf_ocio.values import Float
 
 Light = npt.NDArray[np.float32]
-_MEASURED = 0.3  # share of photos through a measured response as it is
+_MEASURED = 0.3  # of the photos of training, the share through a measured response as it is
 _FACE_SIDE = 300  # px: larger faces are made at this width, with less noise
 _LOOKS = 4  # photos that are tried before a head in one light is given up
 
@@ -65,12 +65,16 @@ def simulate(
     count: int,
     seed: Sequence[int],
     shares: Shares = FROM_CAMERAS,
+    measured: float = _MEASURED,
 ) -> Iterator[Example]:
-    """Take `count` photos, one head after the other; some show too little skin and are left out."""
+    """Take `count` photos, one head after the other; some show too little skin and are left out.
+
+    `measured` is the share of those through a measured response as it is.
+    """
     generator = np.random.default_rng(seed)
     for number in range(count):
         head = heads[number % len(heads)]
-        drawn = source.draw(generator, measured=generator.random() < _MEASURED)
+        drawn = source.draw(generator, measured=generator.random() < measured)
         for _ in range(_LOOKS):
             example = take(head, around, drawn, draw_process(generator, shares), generator)
             if example is not None:

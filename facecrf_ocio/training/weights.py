@@ -15,7 +15,7 @@ import numpy as np
 from facecrf_ocio.benchmark.chart_cameras import with_chart_cameras
 from facecrf_ocio.files.smooth_arrays import SMOOTH, smooth_bytes
 from facecrf_ocio.joint.familiarity import Familiarity
-from facecrf_ocio.joint.prior import FamilyPrior, prior_of
+from facecrf_ocio.joint.prior import FAMILIES, FamilyPrior, prior_of
 from facecrf_ocio.joint.whole_steps import STEP
 from facecrf_ocio.values import Float
 
@@ -55,7 +55,7 @@ def save_joint(
     arrays |= {
         "ensemble": np.array(len(members)),
         "band_scale": np.array(1.0),
-        "stops_scale": np.ones(2),
+        "stops_scale": np.ones((len(FAMILIES), 2)),
         "made_by": np.array(made_by),
         "familiarity_axes": familiarity.axes.astype(np.float16),
         "familiarity_spread": familiarity.spread.astype(np.float32),
@@ -74,9 +74,7 @@ def pack(path: Path, made: Mapping[str, Path]) -> None:
     _write(path, arrays)
 
 
-def with_band(
-    path: Path, band_scale: float, stops_scale: tuple[float, float], measured: str
-) -> None:
+def with_band(path: Path, band_scale: float, stops_scale: Float, measured: str) -> None:
     """Set what `JointModel` scales errors by in a file of weights, packed or not.
 
     `measured` is the command that they were measured with.
