@@ -26,9 +26,10 @@ from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.face.view import cut_face
 from facecrf_ocio.files.threads import OtherThread
 from facecrf_ocio.joint import shipped_joint
+from facecrf_ocio.joint.conclusion import families_of
 from facecrf_ocio.joint.messages import COMBINED
 from facecrf_ocio.joint.metadata import modern_leaning, phone_leaning
-from facecrf_ocio.joint.prior import Posterior
+from facecrf_ocio.joint.prior import FAMILIES, Posterior
 from facecrf_ocio.joint.statistics import CUES, face_statistics
 from facecrf_ocio.joint.verdict import deviations
 from facecrf_ocio.record.demand import Demand, demand
@@ -312,14 +313,37 @@ def test_more_evidence_leaves_less_error_to_expect(evidence):
 
 
 def test_the_error_to_expect_is_what_was_measured_of_such_errors(evidence):
-    as_it_is = replace(shipped_joint(), stops_scale=(1.0, 1.0))
+    as_it_is = replace(shipped_joint(), stops_scale=np.ones((len(FAMILIES), 2)))
     raw = conclude(evidence, model=as_it_is)
-    scaled = conclude(evidence, model=replace(as_it_is, stops_scale=(0.5, 0.25)))
+    halves = np.tile([0.5, 0.25], (len(FAMILIES), 1))
+    scaled = conclude(evidence, model=replace(as_it_is, stops_scale=halves))
     assert np.array_equal(scaled.curve.linear, raw.curve.linear)
     assert np.array_equal(scaled.confidence.sigma, raw.confidence.sigma)
-    assert scaled.confidence.in_stops.mid == 0.5 * raw.confidence.in_stops.mid
-    assert scaled.confidence.in_stops.shadows == 0.25 * raw.confidence.in_stops.shadows
-    assert shipped_joint().stops_scale != (1.0, 1.0)
+    assert scaled.confidence.in_stops.mid == pytest.approx(0.5 * raw.confidence.in_stops.mid)
+    expected = 0.25 * raw.confidence.in_stops.shadows
+    assert scaled.confidence.in_stops.shadows == pytest.approx(expected)
+
+
+def test_the_error_to_expect_is_that_of_the_family_that_the_photo_is_held_for(evidence):
+    only_film = np.array([[3.0, 3.0], [1.0, 1.0], [1.0, 1.0]])
+    model = shipped_joint()
+    as_it_is = replace(model, stops_scale=np.ones_like(only_film))
+    film_off = replace(model, stops_scale=only_film)
+    for prior, factor in (("dorf", 3.0), ("modern", 1.0)):
+        raw, scaled = (
+            conclude(evidence, prior, one).confidence.in_stops for one in (as_it_is, film_off)
+        )
+        assert scaled.mid == pytest.approx(factor * raw.mid)
+        assert scaled.shadows == pytest.approx(factor * raw.shadows)
+    shares = families_of(evidence[0], model)
+    assert shares.shape == (len(FAMILIES),)
+    assert shares.sum() == pytest.approx(1.0)
+
+
+def test_film_errs_by_more_than_cameras_of_what_its_posterior_expects():
+    film, camera, phone = shipped_joint().stops_scale
+    assert film[0] > camera[0]
+    assert film[0] > phone[0]
 
 
 def test_weights_stay_small():

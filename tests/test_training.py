@@ -290,16 +290,17 @@ def test_what_is_fitted_can_be_loaded_and_asked(head, around, source, tmp_path):
 
 def test_the_band_of_packed_weights_can_be_set(tmp_path):
     for name in ("a", "b"):
-        arrays = {"band_scale": 1.0, "stops_scale": np.ones(2), "prior_mean": np.arange(3.0)}
+        arrays = {"band_scale": 1.0, "stops_scale": np.ones((3, 2)), "prior_mean": np.arange(3.0)}
         np.savez(tmp_path / f"{name}.npz", made_by="{}", **arrays)
     pack(tmp_path / "all.npz", {name: tmp_path / f"{name}.npz" for name in ("a", "b")})
-    with_band(tmp_path / "all.npz", 1.304, (0.9, 0.7), "by a test")
+    told = np.array([[0.904, 0.7], [0.8, 0.6], [1.0, 1.1]])
+    with_band(tmp_path / "all.npz", 1.304, told, "by a test")
     with np.load(tmp_path / "all.npz") as stored:
         assert set(stored.files) == {
             f"{name}/{key}" for name in ("a", "b") for key in (*arrays, "made_by")
         }
         assert float(stored["b/band_scale"]) == 1.3
-        assert stored["a/stops_scale"].tolist() == [0.9, 0.7]
+        assert stored["a/stops_scale"].tolist() == [[0.9, 0.7], [0.8, 0.6], [1.0, 1.1]]
         assert stored["b/prior_mean"].tolist() == [0.0, 1.0, 2.0]
         assert json.loads(str(stored["a/made_by"])) == {"band_measured": "by a test"}
 
@@ -309,7 +310,9 @@ def test_weights_are_stored_in_bytes_and_read_to_half_a_step(tmp_path):
     exact[3] = 0.0
     np.savez(tmp_path / "a.npz", noise_0_weight0=exact, noise_0_bias0=exact[0], band_scale=1.0)
     pack(tmp_path / "all.npz", {"a": tmp_path / "a.npz"})
-    with_band(tmp_path / "all.npz", 1.3, (1.0, 1.0), "by a test")  # what is in bytes stays as it is
+    with_band(
+        tmp_path / "all.npz", 1.3, np.ones((3, 2)), "by a test"
+    )  # what is in bytes stays as it is
     with np.load(tmp_path / "all.npz") as stored:
         assert stored["a/noise_0_weight0"].dtype == np.int8
         assert stored["a/noise_0_bias0"].dtype == np.float64

@@ -29,7 +29,7 @@ from facecrf_ocio.training.plan import (
     makers_left_out,
 )
 from facecrf_ocio.training.simulate_parts import simulate_parts
-from facecrf_ocio.training.weights import pack, with_band, with_cameras
+from facecrf_ocio.training.weights import pack, with_band
 
 _FOLDER = click.Path(path_type=Path, file_okay=False)
 _FILE = click.Path(path_type=Path, dir_okay=False)
@@ -101,20 +101,6 @@ def charts_command(folder: Path, without: tuple[str, ...], output: Path) -> None
         click.echo(f"{one.maker} {one.model}: {one.photos} photos, {one.kind}")
         found.append(one)
     store_charts(found, output)
-
-
-@main.command("cameras")
-@_DATA
-@click.argument("weights", nargs=-1, required=True, type=_FILE)
-def cameras_command(data: Path, weights: tuple[Path, ...]) -> None:
-    """Give the prior of WEIGHTS, packed or not, its component of cameras measured by charts."""
-    held_out = _makers_left_out(Data(data))
-    for path in weights:
-        with_cameras(path, held_out)
-
-
-def _makers_left_out(data: Data) -> dict[str, tuple[str, ...]]:
-    return {name: makers_left_out(name, data) for name in held_out_names()}
 
 
 @main.command("band")

@@ -5,17 +5,16 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from facecrf_ocio.benchmark.chart_cameras import with_chart_cameras
 from facecrf_ocio.files.smooth_arrays import SMOOTH, smooth_bytes
 from facecrf_ocio.joint.familiarity import Familiarity
-from facecrf_ocio.joint.prior import FAMILIES, FamilyPrior, prior_of
+from facecrf_ocio.joint.prior import FAMILIES, FamilyPrior
 from facecrf_ocio.joint.whole_steps import STEP
 from facecrf_ocio.values import Float
 
@@ -92,30 +91,6 @@ def with_band(path: Path, band_scale: float, stops_scale: Float, measured: str) 
         elif last == "made_by":
             made_by = json.loads(str(value) or "{}") | {"band_measured": measured}
             arrays[name] = np.array(json.dumps(made_by, sort_keys=True))
-    _write(path, arrays)
-
-
-def with_cameras(path: Path, held_out: Mapping[str, Collection[str]]) -> None:
-    """Give the priors in a file of weights their component of cameras measured by charts.
-
-    Parameters
-    ----------
-    path
-        Weights, packed or not.
-    held_out
-        By the name of packed weights, makers that they must not see.
-    """
-    with np.load(path, allow_pickle=False) as stored:
-        arrays: dict[str, Any] = {name: stored[name] for name in stored.files}
-    for begin in sorted({name.rpartition("/")[0] for name in arrays}):
-        start = f"{begin}/" if begin else ""
-        own = {
-            name.removeprefix(start): array
-            for name, array in arrays.items()
-            if name.startswith(f"{start}prior_")
-        }
-        prior = with_chart_cameras(prior_of(own), held_out.get(begin, ()))
-        arrays |= {f"{start}{name}": array for name, array in _mixture(prior).items()}
     _write(path, arrays)
 
 
