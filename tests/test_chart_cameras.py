@@ -13,7 +13,7 @@ from facecrf_ocio.benchmark.peers.drawn_chart import lit_chart, shot
 from facecrf_ocio.benchmark.responses import read_responses
 from facecrf_ocio.chart.find_chart import can_find
 from facecrf_ocio.joint import shipped_joint
-from facecrf_ocio.joint.prior import FAMILIES
+from facecrf_ocio.joint.prior import FAMILIES, from_triangles, triangles
 from facecrf_ocio.response.stops import stops_error, uniform
 from facecrf_ocio.synthetic import gamma_curve
 from facecrf_ocio.training.__main__ import main
@@ -84,3 +84,10 @@ def test_folders_of_photos_give_curves_of_cameras(tmp_path):
     # The photos of Acme Two do not agree, and Bcme Three was to be passed over.
     assert found.names == ("Acme One",)
     assert stops_error(found.inverse[0], uniform(gamma_curve(2.2))).mid < 0.05
+
+
+def test_symmetric_matrices_come_back_from_the_half_that_is_stored():
+    covariances = shipped_joint().prior.covariances
+    halves = triangles(covariances)
+    assert halves.shape == (len(covariances), 78)
+    assert np.array_equal(from_triangles(halves, 12), covariances)

@@ -233,8 +233,25 @@ def prior_of(arrays: Mapping[str, Float]) -> FamilyPrior:
         np.linspace(0.0, 1.0, mean.size),
         mean,
         smooth_array(arrays, "prior_basis"),
-        *(arrays[f"prior_{name}"] for name in ("weights", "means", "covariances", "family")),
+        arrays["prior_weights"],
+        arrays["prior_means"],
+        from_triangles(arrays["prior_covariances"], arrays["prior_means"].shape[1]),
+        arrays["prior_family"],
     )
+
+
+def triangles(covariances: Float) -> Float:
+    """Lower halves (K, M(M + 1) / 2) of symmetric matrices (K, M, M), as they are stored."""
+    rows, columns = np.tril_indices(covariances.shape[-1])
+    return np.asarray(covariances[:, rows, columns])
+
+
+def from_triangles(halves: Float, size: int) -> Float:
+    """(K, M, M) of what `triangles` made of them."""
+    rows, columns = np.tril_indices(size)
+    whole = np.empty((len(halves), size, size), halves.dtype)
+    whole[:, rows, columns] = whole[:, columns, rows] = halves
+    return whole
 
 
 @cache

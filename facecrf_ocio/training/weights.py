@@ -14,7 +14,7 @@ import numpy as np
 
 from facecrf_ocio.files.smooth_arrays import SMOOTH, smooth_bytes
 from facecrf_ocio.joint.familiarity import Familiarity
-from facecrf_ocio.joint.prior import FAMILIES, FamilyPrior
+from facecrf_ocio.joint.prior import FAMILIES, FamilyPrior, triangles
 from facecrf_ocio.joint.whole_steps import STEP
 from facecrf_ocio.values import Float
 
@@ -95,8 +95,13 @@ def with_band(path: Path, band_scale: float, stops_scale: Float, measured: str) 
 
 
 def _mixture(prior: FamilyPrior) -> dict[str, Float]:
-    names = ("weights", "means", "covariances", "family")
-    return {f"prior_{name}": np.asarray(getattr(prior, name), np.float32) for name in names}
+    stored = {
+        "prior_weights": prior.weights,
+        "prior_means": prior.means,
+        "prior_covariances": triangles(prior.covariances),
+        "prior_family": prior.family,
+    }
+    return {name: np.asarray(array, np.float32) for name, array in stored.items()}
 
 
 def _write(path: Path, arrays: Mapping[str, Any]) -> None:
