@@ -18,7 +18,7 @@ from facecrf_ocio.cameras.known_cameras import KnownCamera, write_registry
 from facecrf_ocio.values import Float
 
 _POINTS = 128
-"""Code values at which a curve ships: 18 kB of the wheel less than 256, for differences of 0.003
+"""Code values at which a curve ships: 16 kB of the wheel less than 256, for differences of 0.003
 stops (RMS, the noise of the stacks) where a curve's standard deviation is 0.06 and more."""
 _LEAST_SPREAD = 0.06  # [stop] between sets of one camera where only one was solved
 # [stop] Of curves by charts from other measurements of the same camera, which three allow: 0.04 to
