@@ -26,6 +26,11 @@ PAGE_WIDTH, WINDOW_HEIGHT = 1100, 860  # pixels
 JPEG_QUALITY = 90  # no rings are seen around letters
 BROWSER = ("--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars")
 
+PICTURES_SHOWN = """
+const shown = arguments[0], twice = () => requestAnimationFrame(() => requestAnimationFrame(shown));
+Promise.all([...document.images].map(one => one.decode())).then(twice);
+"""
+
 
 def facecrf(folder: Path, *arguments: str) -> None:
     """Run the command in a folder."""
@@ -53,6 +58,8 @@ def shoot(page: Path) -> Image.Image:
         window.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
         window.get(page.as_uri())
         window.find_element("xpath", "//button[text()='+1']").click()
+        # A busy machine shows the page before its pictures.
+        window.execute_async_script(PICTURES_SHOWN)
         # Beyond the window, whose height decides how large pictures are.
         height = window.execute_script("return document.documentElement.scrollHeight")
         clip = {"x": 0, "y": 0, "width": PAGE_WIDTH, "height": height, "scale": 1}
