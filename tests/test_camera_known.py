@@ -231,7 +231,8 @@ def test_models_are_told_by_name(name, model):
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("held_out_weights")
-def test_half_the_error_by_another_s_measurement(development_data):
+def test_a_third_less_error_by_another_s_measurement(development_data):
+    """It was half, before the networks knew more of real cameras by themselves."""
     folder = development_data / "crf"
     files = [read_responses(folder / f"modern_{name}.npz") for name in ("dev", "stacks")]
     images = find_linear_images(development_data / "faces" / "rendered" / "img", "dev_*_clean.exr")
@@ -239,5 +240,5 @@ def test_half_the_error_by_another_s_measurement(development_data):
     results = list(measure_known(images.images, files, repeat=1))
     table = known_markdown(results)
     alone, both = (np.array([100 * one.scores[k].rmse for one in results]) for k in (0, 1))
-    assert np.median(both) < 0.6 * np.median(alone), table
+    assert np.median(both) < 0.67 * np.median(alone), table
     assert np.median([one.scores[1].mid for one in results]) < 0.1, table
