@@ -236,7 +236,7 @@ class TestRefusals:
         assert not (tmp_path / "missing").exists()
 
     def test_other_suffix(self, tmp_path: Path) -> None:
-        with pytest.raises(OutputError, match=r"suffix \.exr"):
+        with pytest.raises(OutputError, match=r"let it end in \.exr"):
             self.write(tmp_path / "a.png")
 
     def test_pixels_of_another_photo(self, tmp_path: Path) -> None:

@@ -145,10 +145,10 @@ def test_what_is_known_counts_once_however_many_photos_name_it(photos):
     known = {("Acme Inc.", "One"): known_response([camera(2.2)], "Acme", "One", prior)}
     told = {f"{n}.jpg": said(2.2, 50.0) for n in range(photos)}
     stretches = dict.fromkeys(told, 1.0)
-    without, _ = _fused(told, stretches, prior, weights, {})
-    both, dissent = _fused(told, stretches, prior, weights, known)
-    assert dissent == ()
-    added = np.linalg.inv(both.covariance) - np.linalg.inv(without.covariance)
+    without = _fused(told, stretches, prior, weights, {}).posterior
+    both = _fused(told, stretches, prior, weights, known)
+    assert both.outvoted == ()
+    added = np.linalg.inv(both.posterior.covariance) - np.linalg.inv(without.covariance)
     message = np.diag(known["Acme Inc.", "One"].message.precision)
     assert np.abs(added - message).max() < 0.1 * message.max()
 
