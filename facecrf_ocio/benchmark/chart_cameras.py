@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from facecrf_ocio.benchmark.responses import Responses, read_responses
+from facecrf_ocio.cameras.maker_names import maker_of
 from facecrf_ocio.joint.prior import FAMILIES, FamilyPrior
 
 CHART_CAMERAS = Path(__file__).parents[2] / "examples" / "results" / "chart_cameras.npz"
@@ -35,11 +36,6 @@ _CAMERA = FAMILIES.index("camera")
 def chart_cameras() -> Responses:
     """The responses that were measured."""
     return read_responses(CHART_CAMERAS)
-
-
-def maker_of(name: str) -> str:
-    """A maker as several files write it: its first word."""
-    return (name.replace("-", " ").casefold().split() or [""])[0]
 
 
 def fitted_prior(prior: FamilyPrior) -> FamilyPrior:
