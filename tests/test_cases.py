@@ -24,7 +24,7 @@ from facecrf_ocio.record.calibration_record import read_record
 pytestmark = pytest.mark.slow
 CLEAN, WRONG, UNUSABLE = 0, 6, 7  # exit codes of `lint`
 UNREADABLE = 3
-FAILED = {"err_not_utf8.exr": "is not an image", "float16.dng": "decodes zeros alone"}
+FAILED = {"err_not_utf8.exr": "begins as OpenEXR", "float16.dng": "decodes zeros alone"}
 LINEAR = {"lin16_crop.dng", "pix16.jxl"}
 ENDS = {
     "bigsize.cube": UNUSABLE,
