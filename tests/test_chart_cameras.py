@@ -58,6 +58,7 @@ def test_a_maker_is_held_out_however_its_name_is_written():
     assert np.allclose(with_chart_cameras(prior, ["Nobody"]).means, prior.means, atol=1e-6)
 
 
+@pytest.mark.usefixtures("held_out_weights")
 def test_the_bench_judges_them_by_weights_without_their_makers(chart_curves):
     responses = read_responses(chart_curves)
     for fold in range(5):
