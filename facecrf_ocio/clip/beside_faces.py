@@ -16,7 +16,7 @@ from facecrf_ocio.clip.shared_light import add_points
 from facecrf_ocio.clip.tracked_points import FEWER, TrackedPoints, thinned
 from facecrf_ocio.joint import JointModel
 from facecrf_ocio.joint.prior import Posterior
-from facecrf_ocio.pair.exposure_grid import exposure_stops
+from facecrf_ocio.pair.exposure_grid import stops_of_shots
 from facecrf_ocio.photo.shot import read_shot
 from facecrf_ocio.values import Float
 
@@ -84,11 +84,7 @@ def _told_stops(shot: Sequence[ChosenFrame]) -> Float | None:
     told = [read_shot(path) for path in paths]
     if any(one.exposure_s <= 0.0 for one in told):
         return None
-    stops = exposure_stops(
-        [one.exposure_s for one in told],
-        [one.aperture for one in told],
-        [one.iso for one in told],
-    )
+    stops = stops_of_shots(told)
     return stops if np.ptp(stops) >= _LEAST_STOPS else None
 
 

@@ -179,10 +179,7 @@ def misfit(evidence: PhotoEvidence, estimate: Estimate, model: JointModel | None
     model = model or shipped_joint()
     if not evidence.messages or estimate.coefficients is None:
         return 0.0
-    weights = model.prior.weights_for("auto", evidence.leaning, evidence.phone)
-    # Edits darken faces too, and must not hide behind that: the stretch is what cues say.
-    stretch = {"photo": evidence.stretch}
-    own = _fused({"photo": evidence}, stretch, model.prior, weights, {}).posterior
+    own = _alone(evidence, model).posterior
     offset = own.mean - estimate.coefficients[0]
     distance = float(offset @ np.linalg.solve(own.covariance, offset))
     return float(np.sqrt(distance / offset.size))
@@ -190,9 +187,14 @@ def misfit(evidence: PhotoEvidence, estimate: Estimate, model: JointModel | None
 
 def families_of(evidence: PhotoEvidence, model: JointModel) -> Float:
     """(F,) share of each of the prior's families in what one photo leaves of it."""
+    return _alone(evidence, model).families
+
+
+def _alone(evidence: PhotoEvidence, model: JointModel) -> _Fused:
+    """What one photo leaves of the prior, nothing being known of its camera."""
     weights = model.prior.weights_for("auto", evidence.leaning, evidence.phone)
-    stretch = {"photo": evidence.stretch}
-    return _fused({"photo": evidence}, stretch, model.prior, weights, {}).families
+    # Edits darken faces too, and must not hide behind that: the stretch is what cues say.
+    return _fused({"photo": evidence}, {"photo": evidence.stretch}, model.prior, weights, {})
 
 
 @dataclass(frozen=True, slots=True, eq=False)

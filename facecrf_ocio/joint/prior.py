@@ -256,5 +256,5 @@ def from_triangles(halves: Float, size: int) -> Float:
 
 @cache
 def shipped_prior() -> FamilyPrior:
-    """The prior that ships, fitted to DoRF and to published modern responses."""
+    """The prior that ships, fitted to responses of film, digital cameras, phones and webcams."""
     return prior_of(load_arrays(Path(__file__).parent / "joint_model.npz"))

@@ -10,7 +10,7 @@ import numpy as np
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.pair.bracket_curve import BracketCurve, bracket_reasons, solve_bracket
 from facecrf_ocio.pair.bracket_pixels import SmallBracket, flat_patches, small_bracket
-from facecrf_ocio.pair.exposure_grid import exposure_stops
+from facecrf_ocio.pair.exposure_grid import stops_of_shots
 from facecrf_ocio.photo.shot import Shot
 from facecrf_ocio.response.coverage import coverage_at, coverage_counts
 from facecrf_ocio.response.expected_stops import verdict_of
@@ -54,9 +54,7 @@ def stops_by_exif(shots: Sequence[Shot], photos: Sequence[Photo] | None = None) 
             raise PhotoError(
                 path, "does not tell its exposure time", "give the exposures, stops=..."
             )
-    return exposure_stops(
-        [s.exposure_s for s in shots], [s.aperture for s in shots], [s.iso for s in shots]
-    )
+    return stops_of_shots(shots)
 
 
 def calibrate_bracket(

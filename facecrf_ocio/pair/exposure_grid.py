@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from facecrf_ocio.photo.shot import Shot
 from facecrf_ocio.values import Float
 
 _NEAR = 0.04  # [stop] between what a file says and the name of a step, for rounded fractions
@@ -59,6 +60,15 @@ def exposure_stops(
         _factor(times, _TIME_GRIDS)
         - 2.0 * _factor(apertures, _APERTURE_GRIDS)
         + _factor(sensitivities, _ISO_GRIDS)
+    )
+
+
+def stops_of_shots(shots: Sequence[Shot]) -> Float:
+    """(J,) the same of what EXIF tells of the shots of a set."""
+    return exposure_stops(
+        [shot.exposure_s for shot in shots],
+        [shot.aperture for shot in shots],
+        [shot.iso for shot in shots],
     )
 
 

@@ -15,7 +15,7 @@ from scipy.stats import spearmanr
 
 from facecrf_ocio.pair.bracket_curve import HIGHEST, LOWEST
 from facecrf_ocio.pair.code_samples import Samples, read_samples
-from facecrf_ocio.pair.exposure_grid import exposure_stops
+from facecrf_ocio.pair.exposure_grid import stops_of_shots
 from facecrf_ocio.photo.shot import Shot
 from facecrf_ocio.values import Float
 
@@ -47,10 +47,7 @@ class BracketPhoto:
 
 def stops_of(members: Iterable[BracketPhoto]) -> Float:
     """(J,) exposures of a bracket on the camera's grid."""
-    shots = [one.shot for one in members]
-    return exposure_stops(
-        [s.exposure_s for s in shots], [s.aperture for s in shots], [s.iso for s in shots]
-    )
+    return stops_of_shots([one.shot for one in members])
 
 
 def find_brackets(exposures: Iterable[BracketPhoto]) -> Iterator[tuple[BracketPhoto, ...]]:
