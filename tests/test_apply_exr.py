@@ -62,6 +62,33 @@ class TestExr:
         assert np.array_equal(pixels_of(path), linear)
         assert header_of(path).get_string_attribute("compression") == compression
 
+    def test_a_level_changes_bytes_and_no_pixel(self, jpeg: Path) -> None:
+        photo, lookup = read_photo(jpeg), curve_lookup(CURVE)
+        written = [
+            write_exr(
+                jpeg.with_name(f"a{level[1:]}.exr"),
+                linear_rows(photo, lookup),
+                photo,
+                provenance={},
+                compression=f"zip{level}",
+            ).path
+            for level in ("", ":4", ":1")
+        ]
+        own, same, least = (path.read_bytes() for path in written)
+        assert own == same != least  # OpenEXR's own level is 4
+        first, *others = (pixels_of(path) for path in written)
+        assert all(np.array_equal(first, other) for other in others)
+        assert header_of(written[2]).get_string_attribute("compression") == "zip"
+
+    @pytest.mark.parametrize("unknown", ["magic", "ZIP", "zip:", "zip:10", "piz:1", "dwaa:x", ""])
+    def test_a_compression_that_openimageio_would_pass_over(
+        self, tmp_path: Path, unknown: str
+    ) -> None:
+        photo = Photo((random_codes() / 255).astype(np.float32))
+        with pytest.raises(SettingsError, match=r"is not one of|has no levels|give a level from"):
+            write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={}, compression=unknown)
+        assert not (tmp_path / "a.exr").exists()
+
     def test_half_is_clamped_to_its_largest_value(self, tmp_path: Path) -> None:
         photo = Photo(np.full((2, 2, 3), 1e6, np.float32), scene_linear=True)
         write_exr(tmp_path / "a.exr", photo.encoded, photo, provenance={})

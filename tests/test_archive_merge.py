@@ -50,6 +50,15 @@ def test_merging_treats_no_photo_otherwise():
     assert Recipe.from_json(Recipe(merge=True).to_json()).merge
 
 
+def test_only_exrs_of_photos_are_treated_otherwise_for_their_compression():
+    small, plain = Recipe(exr=True, compression="dwaa"), Recipe(exr=True)
+    assert small.sha256("1") != plain.sha256("1")
+    merged = replace(small, exr=False, merge=True)
+    assert merged.sha256("1") == Recipe().sha256("1")
+    before = {k: v for k, v in json.loads(plain.to_json()).items() if k != "compression"}
+    assert Recipe.from_json(json.dumps(before)) == plain
+
+
 def test_without_pooling_there_are_no_brackets_to_merge(capfd, tmp_path):
     ended = CommandLine(capfd)("batch", tmp_path, "-o", tmp_path / "luts", "--merge")
     assert ended.code == 2

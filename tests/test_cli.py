@@ -31,13 +31,13 @@ from PIL import Image
 
 from facecrf_ocio import __version__, read_photo
 from facecrf_ocio.cli.facecrf import main
-from facecrf_ocio.cli.options import COMPRESSIONS
 from facecrf_ocio.cli.sections import EXAMPLES, SECTIONS
 from facecrf_ocio.color.primaries import KNOWN_PRIMARIES
 from facecrf_ocio.color.working_space import WORKING_SPACES, working_space_matrix
 from facecrf_ocio.errors import OutputError
 from facecrf_ocio.files import atomic, versions
 from facecrf_ocio.files.atomic import Draft
+from facecrf_ocio.image.compression import COMPRESSIONS
 from facecrf_ocio.record.calibration_record import read_record
 
 DONE, FAILED, USAGE, UNREADABLE, NOTHING = range(5)
@@ -509,6 +509,9 @@ class TestLinearize:
         ("target", "options", "code", "problem"),
         [
             ("a.exr", ("--compression", "magic"), USAGE, "'magic' is not one of"),
+            ("a.exr", ("--compression", "piz:1"), USAGE, "piz has no levels; leave out ':1'"),
+            ("a.exr", ("--compression", "zip:0"), USAGE, "give a level from 1 to 9"),
+            ("a.exr", ("--compression", "zip:"), USAGE, "give a level from 1 to 9"),
             ("a.tif", (), FAILED, "is no name of an EXR; let it end in .exr"),
             ("missing/a.exr", (), FAILED, "create the folder first"),
             ("taken.exr", (), FAILED, "exists already; pass --overwrite to replace it"),

@@ -125,8 +125,11 @@ def test_a_batch_exposes_each_exr_or_leaves_no_half_result(capfd, tmp_path, expo
         assert not list(output.glob("a.png.*"))
 
 
-@pytest.mark.parametrize("options", [("--exposure", "gray"), ("--exr", "--exposure", "bright")])
-def test_a_batch_says_at_once_what_it_cannot_expose(capfd, tmp_path, options):
+@pytest.mark.parametrize(
+    "options",
+    [("--exposure", "gray"), ("--exr", "--exposure", "bright"), ("--compression", "piz")],
+)
+def test_a_batch_says_at_once_what_of_exrs_it_cannot_do(capfd, tmp_path, options):
     (tmp_path / "photos").mkdir()
     write_noise(tmp_path / "photos" / "a.png", seed=1)
     ended = CommandLine(capfd)("batch", tmp_path / "photos", "-o", tmp_path / "luts", *options)

@@ -77,6 +77,19 @@ def test_batch_tells_in_its_list_and_in_the_record(
     assert record["source"]["notes"] == [TOLD]
 
 
+def test_batch_and_clip_compress_as_told(
+    facecrf: CommandLine, bright: Path, tmp_path: Path
+) -> None:
+    write(bright.with_name("shot.0002.exr"), light(3e4), oiio.FLOAT)  # one frame is no clip
+    out, told = tmp_path / "out", ("--exr", "--compression", "piz")
+    assert facecrf("batch", bright.parent, "-o", out, *told).code == 0
+    assert facecrf("clip", bright.parent, "-o", tmp_path / "clip", *told).code == 0
+    exrs = [path for path in tmp_path.glob("[co]*/**/*.exr") if path.is_file()]
+    assert len(exrs) == 4
+    for exr in exrs:
+        assert oiio.ImageBuf(str(exr)).spec().get_string_attribute("compression") == "piz"
+
+
 def test_clip(facecrf: CommandLine, bright: Path, tmp_path: Path) -> None:
     write(bright.with_name("shot.0002.exr"), light(3e4), oiio.FLOAT)
     ended = facecrf("clip", bright.parent, "-o", tmp_path / "out", "--exr")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from facecrf_ocio.archive.place import Place
 from facecrf_ocio.cameras.known_cameras import KnownCamera
+from facecrf_ocio.image.compression import COMPRESSION
 from facecrf_ocio.lut.format_table import default_formats
 from facecrf_ocio.photo.shot import Shot
 from facecrf_ocio.record.output_names import EXR, HDR, RECORD, output_name
@@ -40,6 +41,8 @@ class Recipe:
         Of the EXRs, as `find_exposure` takes it.
     merge
         Merge each bracket to one image. No photo is treated otherwise for it.
+    compression
+        Of the EXRs, as `write_exr` takes it.
     """
 
     estimator: str = "auto"
@@ -53,6 +56,7 @@ class Recipe:
     max_error: float | None = None
     exposure: str = "0"
     merge: bool = False
+    compression: str = COMPRESSION
 
     def to_json(self) -> str:
         """All of it, as the manifest keeps it."""
@@ -66,9 +70,15 @@ class Recipe:
         return cls(**{**record, **told})
 
     def sha256(self, version: str) -> str:
-        """Hash of everything a result depends on besides the photo, `version` included."""
-        recipe = {name: value for name, value in asdict(self).items() if name != "merge"}
-        text = json.dumps({"recipe": recipe, "version": version}, sort_keys=True)
+        """Hash of everything a result depends on besides the photo, `version` included.
+
+        A recipe as it was before there were compressions to choose has the hash that it had.
+        """
+        told = asdict(self)
+        del told["merge"]
+        if not self.exr or self.compression == COMPRESSION:
+            del told["compression"]
+        text = json.dumps({"recipe": told, "version": version}, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
 

@@ -17,6 +17,7 @@ from facecrf_ocio.cli.batch_progress import Progress, kind_of
 from facecrf_ocio.cli.choices import Choices
 from facecrf_ocio.cli.options import (
     TEXT_PATH,
+    compression_option,
     direction_options,
     estimation_options,
     exposure_option,
@@ -35,6 +36,7 @@ from facecrf_ocio.cli.terminal import (
 )
 from facecrf_ocio.errors import LutError, in_options
 from facecrf_ocio.files.threads import usable_cores
+from facecrf_ocio.image.compression import COMPRESSION
 
 if TYPE_CHECKING:
     from facecrf_ocio.archive.job import Event, Job
@@ -60,6 +62,7 @@ _TLS = ("tls_ca", "tls_cert", "tls_key")
 @direction_options
 @click.option("--exr", is_flag=True, help="Also write scene-linear EXRs.")
 @exposure_option
+@compression_option
 @click.option(
     "--pool",
     type=click.Choice(("none", "camera")),
@@ -162,6 +165,7 @@ def _job(source: Path, output: Path, jobs: int | None, options: dict[str, Any]) 
     from facecrf_ocio.archive.work.processes import Limits
 
     exr, exposure, retry = (options.pop(name) for name in ("exr", "exposure", "retry"))
+    compression = options.pop("compression")
     _require_exposure(exposure, exr=exr)
     formats = _endings(*(options.pop(name) for name in ("formats", "direction", "space")))
     limits = Limits(options.pop("timeout"), options.pop("memory"))
@@ -172,12 +176,15 @@ def _job(source: Path, output: Path, jobs: int | None, options: dict[str, Any]) 
         raise click.UsageError("--pool camera takes the estimator auto or joint")
     if merge and not pool:
         raise click.UsageError("--merge merges what --pool camera finds; pass both")
+    if compression != COMPRESSION and not (exr or merge):
+        raise click.UsageError("--compression is of EXRs; pass --exr, too")
     recipe = Recipe(
         *(choices.estimator, choices.fallback, choices.prior, choices.min_confidence),
         *(choices.settings, formats, exr, pool),
         max_error=choices.max_error,
         exposure=exposure,
         merge=merge,
+        compression=compression,
     )
     return Job(
         *(source, output, recipe, jobs or usable_cores(), limits),

@@ -10,7 +10,12 @@ import click
 
 from facecrf_ocio.cli.choices import Choices
 from facecrf_ocio.cli.live import status
-from facecrf_ocio.cli.options import TEXT_PATH, direction_options, estimation_options
+from facecrf_ocio.cli.options import (
+    TEXT_PATH,
+    compression_option,
+    direction_options,
+    estimation_options,
+)
 from facecrf_ocio.cli.output_files import formats_option
 from facecrf_ocio.cli.terminal import (
     UNREADABLE,
@@ -40,6 +45,7 @@ if TYPE_CHECKING:
 @direction_options
 @click.option("--frames", type=click.IntRange(1, 100), default=12, show_default=True)
 @click.option("--exr", is_flag=True, help="Also write every frame as a scene-linear EXR.")
+@compression_option
 @estimation_options
 @ending_well
 def clip(
@@ -50,6 +56,7 @@ def clip(
     space: str | None,
     frames: int,
     exr: bool,
+    compression: str,
     **choices: Any,
 ) -> int:
     """Estimate the one curve of CLIP: frame.%04d.jpg, frame.####.png, a folder or a video file.
@@ -94,7 +101,8 @@ def clip(
     code = tell(source, estimate, written, notes=_notes(opened, found), verbose=chosen.verbose)
     if exr:
         known = len(opened.unread)
-        count = _write_frames(opened, found, output, overwrite=chosen.overwrite)
+        how: dict[str, Any] = {"compression": compression, "overwrite": chosen.overwrite}
+        count = _write_frames(opened, found, output, **how)
         if len(opened.unread) > known:
             write(overwrite=True)  # as records tell them
         if count < len(opened.times):
@@ -161,14 +169,14 @@ def _course(found: ClipEstimate) -> str:
     return f"its curve {how}: {each} have curves of their own"
 
 
-def _write_frames(opened: Clip, found: ClipEstimate, output: Path, *, overwrite: bool) -> int:
+def _write_frames(opened: Clip, found: ClipEstimate, output: Path, **how: Any) -> int:
     from facecrf_ocio.clip.exr_sequence import write_sequence
     from facecrf_ocio.record.output_names import EXR, output_path
 
     folder, kept, count = output_path(output, opened.name, EXR), 0, 0
     cut: dict[str, int] = {}
     with status(f"writing {counted(len(opened.times), 'frame')}"):
-        for exr, there in write_sequence(opened, found.of_frame, folder, overwrite=overwrite):
+        for exr, there in write_sequence(opened, found.of_frame, folder, **how):
             kept, count = kept + there, count + 1
             cut |= {note: cut.get(note, 0) + 1 for note in exr.notes}
     was = f", {kept} of them there already" if kept else ""

@@ -9,13 +9,10 @@ from typing import Any
 
 import click
 
+from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.estimators import ESTIMATOR_NAMES, ESTIMATORS, FALLBACKS, JOINT_NAMES
+from facecrf_ocio.image.compression import COMPRESSION, COMPRESSIONS, require_compression
 from facecrf_ocio.settings import PRIORS, VERDICTS
-
-COMPRESSIONS = (
-    *("none", "rle", "zip", "zips", "piz"),
-    *("pxr24", "b44", "b44a", "dwaa", "dwab"),
-)
 
 SPACE_NAMES = ("acescg", "lin_rec709", "lin_p3d65", "aces2065-1")
 
@@ -31,6 +28,17 @@ class TextPath(click.Path):
         except UnicodeEncodeError:
             self.fail("the name is not UTF-8 text; choose another", param, ctx)
         return path
+
+
+class _Compression(click.Choice[str]):
+    """A name that OpenImageIO knows, of some with a level behind it."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Take a name, or fail as wrong usage."""
+        try:
+            return require_compression(value)
+        except SettingsError as error:
+            self.fail(str(error), param, ctx)
 
 
 # Not to be readable is no wrong usage, and one such photo must not keep the others.
@@ -154,16 +162,22 @@ def _with_exr_options(command: Callable[..., Any], output: str) -> Callable[...,
     options = (
         click.option("-o", "--output", required=True, type=TEXT_PATH, metavar=output),
         click.option("--half/--float", default=True, help="16-bit (default) or 32-bit floats."),
-        click.option(
-            "--compression",
-            type=click.Choice(COMPRESSIONS),
-            default="zip",
-            show_default=True,
-            metavar="NAME",
-            help=f"OpenEXR's; one of {', '.join(COMPRESSIONS)}.",
-        ),
+        compression_option,
     )
     return _with(options, command)
+
+
+def compression_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the option of how EXRs to be written are compressed."""
+    return click.option(
+        "--compression",
+        type=_Compression(COMPRESSIONS),
+        default=COMPRESSION,
+        show_default=True,
+        metavar="NAME[:LEVEL]",
+        help=f"OpenEXR's; one of {', '.join(COMPRESSIONS)}. zip:1 is written in 0.7 of the time, "
+        "2 to 8 % larger.",
+    )(command)
 
 
 def exposure_option(command: Callable[..., Any]) -> Callable[..., Any]:

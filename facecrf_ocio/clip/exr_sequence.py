@@ -16,6 +16,7 @@ from facecrf_ocio import __version__
 from facecrf_ocio.clip.frame_list import Clip
 from facecrf_ocio.files.plain_text import complaint
 from facecrf_ocio.image.apply import BEYOND_HALF, WrittenExr, linear_rows, write_exr
+from facecrf_ocio.image.compression import COMPRESSION
 from facecrf_ocio.image.lookup import HALF_MAX, curve_lookup
 from facecrf_ocio.values import Estimate, InverseCRF, Outcome
 
@@ -23,13 +24,19 @@ _READ_AT_ONCE = 64  # frames between which a run that was broken off loses nothi
 
 
 def write_sequence(
-    clip: Clip, estimates: Callable[[int], Estimate], folder: Path, *, overwrite: bool = False
+    clip: Clip,
+    estimates: Callable[[int], Estimate],
+    folder: Path,
+    *,
+    compression: str = COMPRESSION,
+    overwrite: bool = False,
 ) -> Iterator[tuple[WrittenExr, bool]]:
     """Write NAME.NNNN.exr for every frame; yields each with whether it was there already.
 
     Frames that cannot be read have none; `clip.unread` names them.
     `estimates` gives the one of a frame's index. A frame is there if its EXR names the same curve
-    and the same frame, and goes on to its last row; one that ends before is written again.
+    and the same frame, and goes on to its last row, however it is compressed; one that ends before
+    is written again.
     """
     targets = [folder / f"{clip.name}.{n + 1:04d}.exr" for n in range(len(clip.times))]
     folder.mkdir(parents=True, exist_ok=True)
@@ -60,8 +67,8 @@ def write_sequence(
             rows = (
                 photo.encoded if photo.scene_linear else linear_rows(photo, lookup(estimate.curve))
             )
-            how: dict[str, Any] = {"provenance": provenance, "overwrite": wanted[index]}
-            yield write_exr(targets[index], rows, photo, **how), False
+            how: dict[str, Any] = {"compression": compression, "overwrite": wanted[index]}
+            yield write_exr(targets[index], rows, photo, provenance=provenance, **how), False
 
 
 def _cut_in(path: Path) -> tuple[str, ...]:

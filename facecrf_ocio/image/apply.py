@@ -16,6 +16,7 @@ import OpenImageIO as oiio  # noqa: N813
 from facecrf_ocio.errors import OutputError, SettingsError
 from facecrf_ocio.files.atomic import require_free
 from facecrf_ocio.files.plain_text import complaint
+from facecrf_ocio.image.compression import COMPRESSION, require_compression
 from facecrf_ocio.image.exr_header import exr_header
 from facecrf_ocio.image.lookup import HALF_MAX, Lookup, curve_lookup
 from facecrf_ocio.image.lut_lookup import lut_lookup
@@ -131,7 +132,7 @@ def write_exr(
     *,
     provenance: Mapping[str, str],
     half: bool = True,
-    compression: str = "zip",
+    compression: str = COMPRESSION,
     overwrite: bool = False,
     beside: Mapping[str, Rows] | None = None,
 ) -> WrittenExr:
@@ -152,7 +153,7 @@ def write_exr(
     half
         16-bit floats, values clamped to 65504, or 32-bit floats.
     compression
-        Any of OpenEXR: `none`, `rle`, `zip`, `zips`, `piz`, `dwaa`, ...
+        One of `compression.COMPRESSIONS`, of some with a level, such as `zip:1`.
     overwrite
         Replace an existing file. The photo itself is never replaced.
     beside
@@ -168,6 +169,8 @@ def write_exr(
     ------
     OutputError
         If it exists and `overwrite` is false, or cannot be written.
+    SettingsError
+        If pixels are not the photo's, or OpenEXR has no such compression.
     """
     path = Path(path)
     shape = photo.shape
@@ -181,7 +184,7 @@ def write_exr(
     names = (*("RGB" if photo.alpha is None else "RGBA"), *(beside or {}))
     kind = oiio.HALF if half else oiio.FLOAT
     header = exr_header(shape[:2], names, photo, provenance, kind)
-    header.attribute("compression", compression)
+    header.attribute("compression", require_compression(compression))
     rows = linear if callable(linear) else _rows_of(linear)
     cut = False
 

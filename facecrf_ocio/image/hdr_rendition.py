@@ -18,6 +18,7 @@ from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.color.srgb import decode_srgb
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.image.apply import WrittenExr, write_exr
+from facecrf_ocio.image.compression import COMPRESSION
 from facecrf_ocio.photo.decoding.unrounded import unrounded
 from facecrf_ocio.values import Float, GainMap, Photo, Primaries
 
@@ -30,7 +31,7 @@ def write_rendition(
     photo: Photo,
     *,
     half: bool = True,
-    compression: str = "zip",
+    compression: str = COMPRESSION,
     overwrite: bool = False,
 ) -> WrittenExr:
     """Write what a photo's gain map makes of it as an EXR, white of the encoded picture being 1.

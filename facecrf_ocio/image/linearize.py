@@ -12,6 +12,7 @@ import numpy as np
 from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.color.working_space import working_primaries, working_space_matrix
 from facecrf_ocio.image.apply import BEYOND_HALF, Pixels, Rows, WrittenExr, linear_rows, write_exr
+from facecrf_ocio.image.compression import COMPRESSION
 from facecrf_ocio.image.exposure import Exposure, find_exposure
 from facecrf_ocio.image.lookup import curve_lookup
 from facecrf_ocio.image.lut_lookup import lut_lookup
@@ -84,7 +85,7 @@ def write_through_lut(
     *,
     direction: str | None = None,
     half: bool = True,
-    compression: str = "zip",
+    compression: str = COMPRESSION,
     overwrite: bool = False,
 ) -> WrittenExr:
     """Send a photo through a LUT file and write the result; see `apply.write_exr`.

@@ -11,6 +11,7 @@ from facecrf_ocio import __version__
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.image.apply import write_exr
+from facecrf_ocio.image.compression import COMPRESSION
 from facecrf_ocio.pair.bracket_pixels import SmallBracket
 from facecrf_ocio.pair.merge import merge_bracket
 from facecrf_ocio.photo.read import read_photo
@@ -43,7 +44,7 @@ def write_merged(
     *,
     still: bool = False,
     half: bool = True,
-    compression: str = "zip",
+    compression: str = COMPRESSION,
     overwrite: bool = False,
     most_moved: float = 1.0,
 ) -> MergedFile:

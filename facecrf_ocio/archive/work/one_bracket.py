@@ -44,8 +44,8 @@ def merged(task: Task) -> tuple[Result, Path | None]:
         return replace(result, outcome=NOT_MERGED), None
     path = task.place.inside(task.planned[0])
     make_folder(path.parent)
-    how: dict[str, Any] = {"overwrite": task.overwrite, "most_moved": _MOST_MOVED}
-    file = write_merged(path, bracket, estimate, **how)
+    how: dict[str, Any] = {"overwrite": task.overwrite, "compression": task.recipe.compression}
+    file = write_merged(path, bracket, estimate, most_moved=_MOST_MOVED, **how)
     told = tuple(
         (round(stop, 4), round(share, 6))
         for stop, share in zip(file.stops.tolist(), file.moved, strict=True)

@@ -194,7 +194,8 @@ def _write(
         # Before the record, which tells what it does not hold.
         require_outputs_free(task.source, folder, recipe.formats, **how)
         path = output_path(folder, task.name, EXR)
-        exr = write_linear(path, photo, estimate, exposure=exposure, overwrite=task.overwrite)
+        of_exr: dict[str, Any] = {"exposure": exposure, "compression": recipe.compression}
+        exr = write_linear(path, photo, estimate, overwrite=task.overwrite, **of_exr)
         photo = photo.but(notes=(*photo.notes, *exr.notes))
     written = write_outputs(photo, estimate, recipe.settings, folder, recipe.formats, **how)
     return (written, ()) if exr is None else ((*written, exr.path), exr.notes)

@@ -160,13 +160,13 @@ def packed(source: Pixels, result: Pixels, lut: Path) -> Call:
 
 
 def exr_calls(codes: Pixels, lookup: Lookup, compression: str, folder: Path) -> dict[str, Call]:
-    """Ways from a JPEG, which is written first, to a half EXR."""
+    """Ways from a JPEG, which is written first, to a half EXR; the floor at OpenEXR's level."""
     photo, target = folder / "photo.jpg", folder / "linear.exr"
     height, width, _ = codes.shape
     _write(photo, oiio.ImageSpec(width, height, 3, oiio.UINT8), codes)
     half = lookup.apply(codes, dtype=np.float16)
     header = oiio.ImageSpec(width, height, 3, oiio.HALF)
-    header.attribute("compression", compression)
+    header.attribute("compression", compression.partition(":")[0])
 
     known = read_photo(photo)
 
