@@ -94,7 +94,7 @@ def _unfit(path: Path) -> str:
     """Why a file is not taken, empty if it is; a file that no reader opens is `read_photo`'s."""
     if path.suffix.lower() in RAW_SUFFIXES:
         return ""
-    source = open_image(path)
+    source, _ = open_image(path)
     if source is None:
         return ""
     try:

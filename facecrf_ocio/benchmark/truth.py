@@ -115,9 +115,11 @@ _NEEDED = ("N.X", "N.Y", "N.Z", "skin", "mel", "haem", "albedo.R", "albedo.G", "
 
 
 def _channels(path: Path) -> dict[str, Image]:
-    source = open_image(path)
+    source, why = open_image(path)
     if source is None:
-        raise PhotoError(path, "is not an image that can be read", "name the folder of the maps")
+        raise PhotoError(
+            path, f"is not an image that can be read ({why})", "name the folder of the maps"
+        )
     try:
         names = list(source.spec().channelnames)
         pixels = source.read_image("float")

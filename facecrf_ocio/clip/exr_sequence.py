@@ -18,6 +18,7 @@ from facecrf_ocio.files.plain_text import complaint
 from facecrf_ocio.image.apply import BEYOND_HALF, WrittenExr, linear_rows, write_exr
 from facecrf_ocio.image.compression import COMPRESSION
 from facecrf_ocio.image.lookup import HALF_MAX, curve_lookup
+from facecrf_ocio.photo.decoding.picture import open_image
 from facecrf_ocio.values import Estimate, InverseCRF, Outcome
 
 _READ_AT_ONCE = 64  # frames between which a run that was broken off loses nothing
@@ -98,9 +99,8 @@ class _Found(Enum):
 
 
 def _found(path: Path, digest: str, frame: str) -> _Found:
-    source = oiio.ImageInput.open(str(path)) if path.exists() else None
+    source = open_image(path)[0] if path.exists() else None
     if source is None:
-        complaint(oiio.geterror)
         return _Found.OTHER
     spec = source.spec()
     said = (spec.get_string_attribute("facecrf:curve"), spec.get_string_attribute("facecrf:frame"))

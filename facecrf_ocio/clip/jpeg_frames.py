@@ -8,9 +8,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import OpenImageIO as oiio  # noqa: N813
-
-from facecrf_ocio.files.plain_text import complaint
 from facecrf_ocio.photo.decoding.picture import PhotoFile, open_picture
 
 
@@ -20,9 +17,8 @@ def holds_jpeg(path: Path) -> bool:
     name = "" if file.kind is None else file.kind.name
     if name != "TIFF":
         return name == "JPEG"
-    picture = open_picture(file)
+    picture, _ = open_picture(file)
     if picture is None:
-        complaint(oiio.geterror)  # or it is printed at exit, on stdout
         return False
     try:
         return str(picture.spec.get_string_attribute("compression")) == "jpeg"

@@ -10,7 +10,7 @@ from typing import Any
 import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio.color.primaries import CIE_XYZ
-from facecrf_ocio.files.plain_text import complaint, plain_text
+from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.photo.decoding.picture import PhotoFile, open_picture
 from facecrf_ocio.values import Photo, Primaries
 
@@ -106,11 +106,10 @@ def still_holds(attribute: str) -> bool:
 
 def _keep_metadata(path: Path, header: oiio.ImageSpec) -> None:
     try:
-        picture = open_picture(PhotoFile(path))
+        picture, _ = open_picture(PhotoFile(path))
     except OSError:  # moved meanwhile
         return
     if picture is None:  # camera raw: nothing to keep
-        complaint(oiio.geterror)
         return
     spec = picture.spec
     for item in spec.extra_attribs:

@@ -6,11 +6,8 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
-import OpenImageIO as oiio  # noqa: N813
-
 from facecrf_ocio.errors import OutputError
 from facecrf_ocio.files.atomic import Draft, write_files
-from facecrf_ocio.files.plain_text import complaint
 from facecrf_ocio.photo.decoding.picture import open_image
 
 
@@ -55,11 +52,10 @@ def _require_space(path: Path) -> None:
 
 
 def _why_it_does_not_open(path: Path) -> str:
-    written = open_image(path)
-    if written is None:
-        return _first_line(complaint(oiio.geterror)) or "no reason given"
-    written.close()
-    return ""
+    written, why = open_image(path)
+    if written is not None:
+        written.close()
+    return _first_line(why)
 
 
 def _first_line(complaint: str) -> str:

@@ -9,10 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import OpenImageIO as oiio  # noqa: N813
-
 from facecrf_ocio.errors import PhotoError
-from facecrf_ocio.files.plain_text import complaint
 from facecrf_ocio.photo.containers.integrity import check_file, photo_sha256
 from facecrf_ocio.photo.decoding.picture import MENDED, open_image
 from facecrf_ocio.photo.decoding.raw import picture_in_raw
@@ -68,9 +65,8 @@ def camera_in_raw(path: str | Path) -> Camera:
     """
     path = Path(path)
     with _copied(path) as copy:
-        header = open_image(copy)
+        header, _ = open_image(copy)
         if header is None:
-            complaint(oiio.geterror)
             raise PhotoError(path, "holds a picture by the camera that cannot be read", _AS_WELL)
         return _signed(camera_of(header.spec()))
 
@@ -79,8 +75,7 @@ def camera_in_raw(path: str | Path) -> Camera:
 def _copied(path: Path) -> Iterator[Path]:
     """The picture in a raw file, copied to a file of its own for as long as it is read."""
     check_file(path)
-    header = open_image(path)
-    complaint(oiio.geterror)  # or it is printed at exit, on stdout
+    header, _ = open_image(path)
     software = "" if header is None else camera_of(header.spec()).software
     if _CONVERTERS.search(software):
         problem = f"holds no picture by the camera, but one by {software[:60]}"

@@ -8,11 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.errors import PhotoError
-from facecrf_ocio.files.plain_text import complaint
 from facecrf_ocio.files.threads import OtherThread
 from facecrf_ocio.photo.containers.integrity import COPY_AGAIN, check_file, check_size, photo_sha256
 from facecrf_ocio.photo.containers.no_photo import no_photo
@@ -108,9 +106,9 @@ def _read(file: PhotoFile, ask_sha256: Callable[[], str]) -> Photo:
         return read_heif(file, ask_sha256())
     if file.is_raw:
         return _read_raw(file, ask_sha256(), "is not camera raw that LibRaw knows", _EXPORT)
-    picture = open_picture(file)
+    picture, why = open_picture(file)
     if picture is None:
-        reason = first_line(complaint(oiio.geterror), file.path).partition(". Is it a file")[0]
+        reason = first_line(why, file.path).partition(". Is it a file")[0]
         return _read_raw(file, ask_sha256(), *_unread(file, reason))
     try:
         return _read_image(file, picture, ask_sha256)
@@ -137,8 +135,7 @@ def _read_raw(file: PhotoFile, sha256: str, problem: str, remedy: str) -> Photo:
     linear = decode_raw(file.path)
     if linear is None:
         raise PhotoError(file.path, problem, remedy)
-    header = open_image(file.path)
-    complaint(oiio.geterror)
+    header, _ = open_image(file.path)
     encoded = code_values(linear, 16)
     encoded.flags.writeable = False  # or the photo would copy it
     return Photo(

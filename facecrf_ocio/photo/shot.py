@@ -8,9 +8,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
-import OpenImageIO as oiio  # noqa: N813
-
-from facecrf_ocio.files.plain_text import complaint, plain_text
+from facecrf_ocio.files.plain_text import plain_text
 from facecrf_ocio.photo.decoding.picture import PhotoFile, open_picture
 
 # EXIF 2.32, sec. 4.6.5, and Canon's maker notes: whatever changes the tone curve.
@@ -49,9 +47,8 @@ class Shot:
 
 def read_shot(path: Path) -> Shot:
     """Read the EXIF tags of a file; what it does not tell, or tells as nonsense, is left out."""
-    source = open_picture(PhotoFile(path))
+    source, _ = open_picture(PhotoFile(path))
     if source is None:
-        complaint(oiio.geterror)  # or it is printed at exit, on stdout
         return Shot()
     try:
         spec = source.spec

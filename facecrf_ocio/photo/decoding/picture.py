@@ -133,28 +133,33 @@ class Picture:
             self.kept.cleanup()
 
 
-def open_image(path: Path) -> Any | None:
-    """Open a file with OpenImageIO, colors not multiplied by alpha; None if it cannot be."""
+def open_image(path: Path) -> tuple[Any | None, str]:
+    """Open a file with OpenImageIO, colors not multiplied by alpha; None and why if it cannot be.
+
+    Whoever opens need not ask OpenImageIO for its reason, which it else prints at exit, on stdout.
+    """
     hints = oiio.ImageSpec()
     hints.attribute("oiio:UnassociatedAlpha", 1)
-    return oiio.ImageInput.open(str(path), hints)
+    source = oiio.ImageInput.open(str(path), hints)
+    said = complaint(oiio.geterror)
+    return source, "" if source is not None else said or "no reason given"
 
 
-def open_picture(file: PhotoFile) -> Picture | None:
-    """Open what is the photo in a file; None if OpenImageIO cannot."""
+def open_picture(file: PhotoFile) -> tuple[Picture | None, str]:
+    """Open what is the photo in a file; None, and why, if OpenImageIO cannot."""
     if file.jpeg is not None and file.jpeg.picture != file.content:
         return _open_copy(file.jpeg.picture, tuple(_mended(file.jpeg, file.xmp)))
-    source = open_image(file.path)
+    source, why = open_image(file.path)
     if source is None:
-        return None
+        return None, why
     photo_first = _photo_first(file.path) if source.format_name() == "tiff" else None
     if photo_first is not None:
         return _open_copy(photo_first, (_BELOW,), source.spec())
     # OpenImageIO finds no way back to a WebP's first picture where there is no second.
     if source.spec().get_int_attribute("oiio:Movie") and file.content.count(b"ANMF") > 1:
-        return Picture(source, 0, (FIRST_OF_SEVERAL,))
+        return Picture(source, 0, (FIRST_OF_SEVERAL,)), ""
     choose = {"tiff": _at_photo, "openexr": _at_colors, "gif": _at_first}
-    return choose.get(source.format_name(), Picture)(source)
+    return choose.get(source.format_name(), Picture)(source), ""
 
 
 def _photo_first(path: Path) -> bytes | None:
@@ -163,16 +168,18 @@ def _photo_first(path: Path) -> bytes | None:
         return with_photo_first(content)
 
 
-def _open_copy(content: bytes, notes: tuple[str, ...], page: Any = None) -> Picture | None:
+def _open_copy(
+    content: bytes, notes: tuple[str, ...], page: Any = None
+) -> tuple[Picture | None, str]:
     """OpenImageIO reads files alone, and takes an appended gain map for a part of the pixels."""
     folder = tempfile.TemporaryDirectory(prefix="facecrf-")
     copy = Path(folder.name) / MENDED
     copy.write_bytes(content)
-    source = open_image(copy)
+    source, why = open_image(copy)
     if source is None:
         folder.cleanup()
-        return None
-    return Picture(source, 0, notes, folder, page)
+        return None, why
+    return Picture(source, 0, notes, folder, page), ""
 
 
 def _mended(jpeg: JpegParts, xmp: str) -> list[str]:
