@@ -75,7 +75,7 @@ def test_measurements_of_one_model_are_joined_and_their_styles_are_not_averaged_
     deviation = found.message.precision**-0.5
     assert STYLES[0] < deviation[0] < 1.2 * STYLES[0]
     assert deviation[2] > STYLES[2]
-    assert known_response([camera(2.2, "ACME X1")], "Acme", "acme x1", prior).name == "ACME X1"
+    assert known_response([camera(2.2, "ACME X1")], "Acme", "acme x1", prior).name == "Acme X1"
     assert known_response(many, "Other", "One", prior) is None
     assert known_response(many, "Acme", "", prior) is None
 

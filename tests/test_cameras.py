@@ -126,6 +126,7 @@ def test_a_maker_has_one_spelling():
         ("PENTAX Corporation", "PENTAX *ist DL", "PENTAX Corporation *ist DL"),
         ("Canon", "Canon", "Canon Canon"),
         ("Nikon", "NIKONOS", "Nikon NIKONOS"),
+        ("NIKON CORPORATION", "NIKON D90", "NIKON CORPORATION D90"),
         ("", "D90", "D90"),
     ],
 )

@@ -15,7 +15,7 @@ from typing import Any
 import click
 import numpy as np
 
-from facecrf_ocio.cameras.maker_names import maker_of
+from facecrf_ocio.cameras.maker_names import bare_model, maker_of
 from facecrf_ocio.errors import FaceCRFError, LutError, OutputError
 from facecrf_ocio.files.atomic import Draft, write_files
 from facecrf_ocio.response.model import inverse_crf
@@ -24,12 +24,6 @@ from facecrf_ocio.values import CHANNELS, InverseCRF
 POINTS = 256
 """Code values at which a registry keeps a curve."""
 FORMAT = "facecrf cameras 1"
-
-
-def called(make: str, model: str) -> str:
-    """Make and model as one name, the make once: many models begin with it."""
-    begins = model.casefold().startswith(make.casefold())
-    return model if begins else f"{make} {model}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,9 +161,8 @@ def joined(one: Iterable[KnownCamera], other: Iterable[KnownCamera]) -> tuple[Kn
 
 def names_of(make: str, model: str) -> frozenset[str]:
     """All that files call one model: makers' JPEGs begin it with their name, raw files do not."""
-    maker, model = maker_of(make), model.strip().casefold()
-    bare = model.removeprefix(f"{maker} ")
-    return frozenset({bare, f"{maker} {bare}"} if maker else {model})
+    maker, bare = maker_of(make), bare_model(make, model.strip()).casefold()
+    return frozenset({bare, f"{maker} {bare}".strip()})
 
 
 def matching(cameras: Iterable[KnownCamera], make: str, model: str) -> tuple[KnownCamera, ...]:

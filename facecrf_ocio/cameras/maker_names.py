@@ -15,11 +15,15 @@ def one_spelling(makes: Iterable[str]) -> dict[str, str]:
     return {maker_of(make): make for make in sorted(makes, key=_preferred, reverse=True)}
 
 
-def camera_name(maker: str, model: str) -> str:
-    """Maker and model, the maker once: many models begin with it, in whatever case."""
+def camera_name(make: str, model: str) -> str:
+    """Make and model, the maker once, in the spelling of the make."""
+    return f"{make} {bare_model(make, model)}".strip()
+
+
+def bare_model(make: str, model: str) -> str:
+    """The model without its maker, with whom many models begin, in whatever case."""
     first, _, rest = model.partition(" ")
-    bare = rest if rest and first.casefold() == maker_of(maker) else model
-    return f"{maker} {bare}".strip()
+    return rest if rest and first.casefold() == maker_of(make) else model
 
 
 def _preferred(make: str) -> tuple[int, bool, str]:

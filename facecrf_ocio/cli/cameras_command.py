@@ -67,12 +67,12 @@ def list_cameras(name: str) -> int:
 def add(records: tuple[Path, ...]) -> int:
     """Add what facecrf pair, bracket or chart have measured (NAME.crf.json)."""
     from facecrf_ocio.cameras.known_cameras import (
-        called,
         joined,
         read_registry,
         registry_path,
         write_registry,
     )
+    from facecrf_ocio.cameras.maker_names import camera_name
     from facecrf_ocio.record.calibration_record import read_record
     from facecrf_ocio.record.measured import from_record
 
@@ -80,7 +80,7 @@ def add(records: tuple[Path, ...]) -> int:
     target = registry_path()
     write_registry(target, joined(read_registry(target), new), overwrite=True)
     for one in new:
-        say(f"{called(one.make, one.model)}: added to {target}")
+        say(f"{camera_name(one.make, one.model)}: added to {target}")
     return DONE
 
 
@@ -96,11 +96,11 @@ def measure(paths: tuple[Path, ...]) -> int:
     """
     from facecrf_ocio.archive.walk import photos_under
     from facecrf_ocio.cameras.known_cameras import (
-        called,
         read_registry,
         registry_path,
         write_registry,
     )
+    from facecrf_ocio.cameras.maker_names import camera_name
     from facecrf_ocio.photo.containers.suffixes import RAW_SUFFIXES
     from facecrf_ocio.record.measured_raws import measure_raws, with_measured
 
@@ -121,7 +121,7 @@ def measure(paths: tuple[Path, ...]) -> int:
     write_registry(target, with_measured(own, [one for one, _ in found.cameras]), overwrite=True)
     for one, number in found.cameras:
         spread = f", {one.spread_stops:.2f} stops apart" if number > 1 else ""
-        name = called(one.make, one.model)
+        name = camera_name(one.make, one.model)
         say(f"{name}: by {counted(number, 'raw file')}{spread}, grade {one.grade}: in {target}")
     return DONE
 

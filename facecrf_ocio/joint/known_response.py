@@ -13,11 +13,11 @@ import numpy as np
 
 from facecrf_ocio.cameras.known_cameras import (
     KnownCamera,
-    called,
     known_cameras,
     matching,
     shipped_cameras,
 )
+from facecrf_ocio.cameras.maker_names import camera_name
 from facecrf_ocio.joint.cue_weights import shares_at
 from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior
 from facecrf_ocio.response.model import strictly_increasing
@@ -94,7 +94,7 @@ def known_response(
     spread = np.full(each.shape[1], others)
     spread[:_IN_COMMON] = first, second
     return KnownResponse(
-        called(found[0].make, found[0].model),
+        camera_name(found[0].make, found[0].model),
         Message(sure @ each / sure.sum(), 1.0 / (spread**2 + 1.0 / sure.sum())),
         _apart([one for one in found if one not in shipped_cameras()], prior),
     )
@@ -165,7 +165,7 @@ def cameras_named(named: Iterable[tuple[str, str]]) -> tuple[str, ...]:
     models: dict[str, str] = {}
     for make, model in named:
         if model.strip():
-            models.setdefault(model.strip().casefold(), called(make.strip(), model.strip()))
+            models.setdefault(model.strip().casefold(), camera_name(make.strip(), model.strip()))
     return tuple(models.values())
 
 
