@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from facecrf_ocio.values import Float
 
@@ -20,7 +21,7 @@ def biweight_of_squares(squares: Float) -> Float:
     return np.asarray(np.clip(1.0 - squares / _TUKEY**2, 0.0, 1.0) ** 2)
 
 
-def robust_deviation(residuals: Float) -> float:
+def robust_deviation(residuals: npt.NDArray[np.floating]) -> float:
     """Standard deviation of Gaussian residuals around 0, whatever a minority of others is."""
     return _OF_MEDIAN * float(np.median(np.abs(residuals)))
 

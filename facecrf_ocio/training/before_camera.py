@@ -18,6 +18,7 @@ from facecrf_ocio.joint.second_differences import SECOND_DIFFERENCE
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.response.fixed import fixed_curve
 from facecrf_ocio.response.model import dorf_model
+from facecrf_ocio.response.robust import robust_deviation
 from facecrf_ocio.settings import Settings
 from facecrf_ocio.values import Face, Float
 
@@ -99,7 +100,7 @@ def _denoised(linear: Light) -> Light:
     for plane in cv2.split(codes):
         values = plane.astype(np.float32)
         second = cv2.sepFilter2D(values, -1, SECOND_DIFFERENCE, SECOND_DIFFERENCE)
-        noise = float(np.median(np.abs(second))) * 1.4826 / 6.0
+        noise = robust_deviation(np.asarray(second, np.float32)) / 6.0
         planes.append(cv2.fastNlMeansDenoising(plane, [1.1 * noise], None, 5, 15, cv2.NORM_L1))
     return np.asarray((cv2.merge(planes).astype(np.float32) / 65535.0) ** 2, np.float32)
 
