@@ -10,8 +10,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from facecrf_ocio.archive.manifest.connection import Connection
-from facecrf_ocio.archive.manifest.damage import understanding
+from facecrf_ocio.archive.manifest.damage import telling, understanding
 from facecrf_ocio.archive.manifest.keys import folded, key_of, name_of_key
+from facecrf_ocio.archive.manifest.schema import fact, note_fact
 from facecrf_ocio.archive.task import Gathered, Output, Result
 from facecrf_ocio.archive.walk import as_utf8
 from facecrf_ocio.errors import OutputError
@@ -60,12 +61,13 @@ class Manifest(Connection):
 
     def about(self, key: str) -> str | None:
         """Return a fact about the archive."""
-        row = next(self.rows("SELECT value FROM about WHERE key = ?", key), None)
-        return None if row is None else str(row[0])
+        with telling(self.path):
+            return fact(self._base, key)
 
     def note(self, key: str, value: str) -> None:
         """Record a fact about the archive."""
-        self.change("INSERT OR REPLACE INTO about VALUES (?, ?)", key, value)
+        with telling(self.path):
+            note_fact(self._base, key, value)
 
     def note_run(self, recipe_sha256: str, recipe: str, processors: Iterable[str]) -> None:
         """Record how photos of a recipe are treated, and on what processors."""

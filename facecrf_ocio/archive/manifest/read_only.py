@@ -16,7 +16,7 @@ from facecrf_ocio.archive.manifest.connection import FILE
 from facecrf_ocio.archive.manifest.damage import telling, understanding
 from facecrf_ocio.archive.manifest.database import CLAIMED
 from facecrf_ocio.archive.manifest.keys import key_of, name_of_key
-from facecrf_ocio.archive.manifest.schema import VERSION, version_in
+from facecrf_ocio.archive.manifest.schema import VERSION, fact, version_in
 from facecrf_ocio.archive.task import Output
 from facecrf_ocio.errors import OutputError
 
@@ -58,8 +58,7 @@ class Reader:
 
     def about(self, key: str) -> str | None:
         """Return a fact about the archive."""
-        row = self._base.execute("SELECT value FROM about WHERE key = ?", (key,)).fetchone()
-        return None if row is None else str(row[0])
+        return fact(self._base, key)
 
     def photos(self) -> Iterator[Fields]:
         """The rows of all photos, in the order of names."""

@@ -200,19 +200,30 @@ def bring_up(base: sqlite3.Connection) -> int:
     try:
         _require_ours(base)
         base.execute(_ABOUT)
-        row = base.execute("SELECT value FROM about WHERE key = 'schema'").fetchone()
-        version = 0 if row is None else version_in(row[0])
+        told = fact(base, "schema")
+        version = 0 if told is None else version_in(told)
         for step in _STEPS[version:]:
             for statement in step:
                 base.execute(statement)
         if version < VERSION:
             version = VERSION
-            base.execute("INSERT OR REPLACE INTO about VALUES ('schema', ?)", (str(version),))
+            note_fact(base, "schema", str(version))
     except BaseException:
         base.execute("ROLLBACK")
         raise
     base.execute("COMMIT")
     return version
+
+
+def fact(base: sqlite3.Connection, key: str) -> str | None:
+    """Return what the table `about` tells of the archive; None if it does not."""
+    row = base.execute("SELECT value FROM about WHERE key = ?", (key,)).fetchone()
+    return None if row is None else str(row[0])
+
+
+def note_fact(base: sqlite3.Connection, key: str, value: str) -> None:
+    """Let the table `about` tell something of the archive."""
+    base.execute("INSERT OR REPLACE INTO about VALUES (?, ?)", (key, value))
 
 
 def _require_ours(base: sqlite3.Connection) -> None:
