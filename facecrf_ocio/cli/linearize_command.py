@@ -33,7 +33,7 @@ from facecrf_ocio.cli.terminal import (
     tell_notes,
 )
 from facecrf_ocio.errors import OutputError, SettingsError
-from facecrf_ocio.record.output_names import EXR, output_path
+from facecrf_ocio.record.output_names import EXR, names_exr, output_path, require_exr_name
 
 if TYPE_CHECKING:
     from facecrf_ocio.image.apply import WrittenExr
@@ -98,8 +98,7 @@ def linearize(
 
 def _names_folder(output: Path) -> bool:
     """Of one photo, so that one that a pattern of the shell finds is written as several are."""
-    is_exr = output.suffix.lower() == EXR
-    return not is_exr and (output.is_dir() or not output.suffix)
+    return not names_exr(output) and (output.is_dir() or not output.suffix)
 
 
 def _targets(photos: tuple[Path, ...], folder: Path) -> tuple[tuple[Path, Path], ...]:
@@ -107,7 +106,7 @@ def _targets(photos: tuple[Path, ...], folder: Path) -> tuple[tuple[Path, Path],
     from facecrf_ocio.files.folders import make_folder
     from facecrf_ocio.record.outputs import require_distinct_names
 
-    if folder.suffix.lower() == ".exr":
+    if names_exr(folder):
         raise SettingsError(f"-o {folder}: names one file for {len(photos)} photos; name a folder")
     require_distinct_names(photos)
     require_writable(folder)
@@ -188,8 +187,7 @@ def require_exr_free(path: Path, *, overwrite: bool) -> None:
     """Raise OutputError unless an EXR may be written, before a photo is calibrated."""
     from facecrf_ocio.files.atomic import require_free
 
-    if path.suffix.lower() != ".exr":
-        raise OutputError(f"-o {path}: is no name of an EXR; let it end in .exr")
+    require_exr_name(path)
     require_free(path, overwrite=overwrite)
     require_writable(path.parent)  # first, since folders in a closed one cannot even be looked for
     if not path.parent.exists():

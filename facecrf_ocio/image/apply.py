@@ -21,6 +21,7 @@ from facecrf_ocio.image.exr_header import exr_header
 from facecrf_ocio.image.lookup import HALF_MAX, Lookup, curve_lookup
 from facecrf_ocio.image.lut_lookup import lut_lookup
 from facecrf_ocio.image.output import write_image_file
+from facecrf_ocio.record.output_names import require_exr_name
 from facecrf_ocio.values import InverseCRF, Photo
 
 Float32 = npt.NDArray[np.float32]
@@ -176,8 +177,7 @@ def write_exr(
     shape = photo.shape
     if not callable(linear) and linear.shape != shape:
         raise SettingsError(f"{linear.shape} pixels do not belong to a {shape} photo")
-    if path.suffix.lower() != ".exr":
-        raise OutputError(f"{path}: is no name of an EXR; let it end in .exr")
+    require_exr_name(path)
     require_free(path, overwrite=overwrite)
     if photo.path is not None and path.exists() and path.samefile(photo.path):
         raise OutputError(f"{path}: is the photo itself; choose another name")

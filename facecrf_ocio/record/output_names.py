@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from pathlib import Path, PurePath
 
+from facecrf_ocio.errors import OutputError
+
 RECORD = ".crf.json"
 PLOT = ".crf.png"
 PAGE = ".crf.html"
@@ -33,3 +35,14 @@ def output_name(name: str, suffix: str) -> str:
 def output_path(folder: Path, photo: PurePath | str, suffix: str) -> Path:
     """Return where a file made of a photo, or of a clip of that name, lies in a folder."""
     return folder / output_name(PurePath(photo).name, suffix)
+
+
+def names_exr(path: PurePath) -> bool:
+    """Whether a name is one of an EXR, which OpenImageIO and hosts tell by its ending."""
+    return path.suffix.lower() == EXR
+
+
+def require_exr_name(path: PurePath) -> None:
+    """Raise OutputError unless a name is one of an EXR."""
+    if not names_exr(path):
+        raise OutputError(f"{path}: is no name of an EXR; let it end in {EXR}")
