@@ -18,6 +18,7 @@ from pathlib import Path
 import pytest
 from archive_photos import everything, files
 from command_line import CODE, CommandLine, write_noise
+from memory_disks import Disk, memory_disk
 from workers_here import workers_here  # noqa: F401 - a fixture
 
 from facecrf_ocio.archive.manifest.connection import FILE
@@ -48,35 +49,10 @@ def told(err: str) -> list[str]:
     return [line for line in err.splitlines() if line.startswith("facecrf: ")]
 
 
-class Disk:
-    """A file system in memory, whose limits can be changed."""
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-
-    def limit(self, limits: str) -> None:
-        self._mount("none", limits)
-
-    def more(self, limits: str) -> None:
-        self._mount("none", f"remount,{limits}")
-
-    def _mount(self, what: str, how: str) -> None:
-        command = ["mount", "-t", "tmpfs", "-o", f"{how},mode=777", what, str(self.folder)]
-        try:
-            made = subprocess.run(command, check=False, capture_output=True)
-        except OSError:
-            pytest.skip("there is no mount command here")
-        if made.returncode:
-            pytest.skip("mounting a small file system is not permitted here")
-
-
 @pytest.fixture
 def disk(tmp_path: Path) -> Iterator[Disk]:
-    place = tmp_path / "disk"
-    place.mkdir()
-    yield Disk(place)
-    if place.is_mount():
-        subprocess.run(["umount", str(place)], check=True)
+    with memory_disk(tmp_path / "disk") as disk:
+        yield disk
 
 
 @pytest.mark.slow

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from command_line import CommandLine, names_in, write_noise
+from memory_disks import memory_disk
 from photo_files import write_spi1d
 from privileges import without_privileges
 
@@ -22,17 +22,9 @@ WAYS = ("linearize", "apply", "node")
 @pytest.fixture
 def disk(tmp_path: Path) -> Iterator[Path]:
     """A file system of 200 kB; the EXR of the photo takes more than a megabyte."""
-    place = tmp_path / "disk"
-    place.mkdir()
-    mount = ["mount", "-t", "tmpfs", "-o", "size=200k,mode=777", "none", str(place)]
-    try:
-        made = subprocess.run(mount, check=False, capture_output=True)
-    except OSError:
-        pytest.skip("there is no mount command here")
-    if made.returncode:
-        pytest.skip("mounting a small file system is not permitted here")
-    yield place
-    subprocess.run(["umount", str(place)], check=True)
+    with memory_disk(tmp_path / "disk") as disk:
+        disk.limit("size=200k")
+        yield disk.folder
 
 
 class Writing:

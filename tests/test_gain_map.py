@@ -324,7 +324,9 @@ def test_real_gain_maps(development_data: Path) -> None:
     folder = development_data / "gainmap"
     if not folder.is_dir():
         pytest.skip("there are no photos with gain maps in the development data")
-    for path in sorted(folder.glob("*.jpg")):
+    paths = sorted(folder.glob("*.jpg"))
+    assert paths
+    for path in paths:
         photo = read_photo(path)
         assert photo.gain_map is not None, path.name
         assert photo.notes == ()

@@ -101,7 +101,9 @@ def test_an_ordinary_photo_is_one(quality: int) -> None:
 
 
 def test_gray_skin_in_studio_light_is_no_toned_photo(development_data: Path) -> None:
-    for path in sorted((development_data / "faces" / "linear").glob("input_*.tif")):
+    paths = sorted((development_data / "faces" / "linear").glob("input_*.tif"))
+    assert paths
+    for path in paths:
         linear = np.clip(read_photo(path).encoded, 0.0, 1.0)
         encoded = stored(linear ** np.float32(1.0 / 2.2))
         assert not isinstance(toned(encoded, DEFAULTS), Lacking)
