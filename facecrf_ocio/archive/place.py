@@ -54,7 +54,13 @@ class Place:
         return self.all_inside((name,))[0]
 
     def all_inside(self, names: Iterable[str]) -> list[Path]:
-        """Paths of several outputs, as `inside` gives each; every folder is looked at once."""
+        """Paths of several outputs, as `inside` gives each; every folder is looked at once.
+
+        Raises
+        ------
+        OutputError
+            If one leads out of the folder, or that is no longer the one that it was.
+        """
         self.require()
         paths = [self.folder / name for name in names]
         holds = {folder: self._holds(real_path(folder)) for folder in {p.parent for p in paths}}
@@ -101,7 +107,13 @@ class Place:
                     Path(place, name).unlink(missing_ok=True)
 
     def alike(self) -> Callable[[str, str], bool]:
-        """Return how the file system compares names: with or without case and composition."""
+        """Return how the file system compares names: with or without case and composition.
+
+        Raises
+        ------
+        OutputError
+            If nothing can be written to the folder.
+        """
         probe = self.folder / f"{_PROBE}{os.urandom(4).hex()}"
         try:
             probe.touch(exist_ok=False)
@@ -160,7 +172,13 @@ def require_apart(source: Path, folder: Path) -> None:
 
 @contextmanager
 def alone(folder: Path) -> Iterator[None]:
-    """Keep other runs out of a folder; the lock ends with the process, however that ends."""
+    """Keep other runs out of a folder; the lock ends with the process, however that ends.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be written to, or another run is in it.
+    """
     try:
         descriptor = os.open(folder / LOCK, os.O_WRONLY | os.O_CREAT | _NO_LINK, 0o666)
     except OSError as error:

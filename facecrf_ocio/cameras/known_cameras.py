@@ -138,7 +138,13 @@ def read_registry(path: Path) -> tuple[KnownCamera, ...]:
 
 
 def write_registry(path: Path, cameras: Iterable[KnownCamera], *, overwrite: bool) -> None:
-    """Write a registry, whole or not at all, its entries in order."""
+    """Write a registry, whole or not at all, its entries in order.
+
+    Raises
+    ------
+    OutputError
+        If it exists and `overwrite` is false, or it cannot be written.
+    """
     ordered = sorted(cameras, key=lambda one: one.key)
     entries = [{**asdict(one), "linear": _without_repeats(one.linear)} for one in ordered]
     lines = ",\n".join(json.dumps(entry) for entry in entries)

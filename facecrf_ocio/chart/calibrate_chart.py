@@ -96,6 +96,8 @@ def calibrate_chart(
     ------
     PhotoError
         If there is no chart, or the photo is linear.
+    SettingsError
+        If the edition is not known.
     """
     if edition not in EDITIONS:
         raise SettingsError(f"no edition {edition!r}; known: {', '.join(EDITIONS)}")

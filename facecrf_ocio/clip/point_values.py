@@ -131,14 +131,14 @@ def expected_noise(slope: Float) -> Float:
 
 
 def robust_weights(left: Float, noise: Float) -> Float:
-    """Inverse variances by Tukey's biweight of what is left unexplained."""
+    """Inverse variances (V,) by Tukey's biweight of what is left unexplained (V,) [stop]."""
     standard = left / noise
     scale = max(robust_deviation(standard), 0.25)
     return np.asarray(biweight(standard, scale) / (noise * max(scale, 1.0)) ** 2)
 
 
 def unexplained(columns: Float, weights: Float, values: Values, alike: float) -> Float:
-    """Columns less what one number a point and one a frame and channel explain of them."""
+    """Columns (V, K) less what one number a point and one a frame and channel explain of them."""
     apart = centered(columns, weights, values.first)
     shown: Float = np.zeros((len(columns), values.groups))
     shown[np.arange(len(columns)), values.group] = 1.0
@@ -149,7 +149,7 @@ def unexplained(columns: Float, weights: Float, values: Values, alike: float) ->
 
 
 def centered(columns: Float, weights: Float, first: np.typing.NDArray[np.intp]) -> Float:
-    """Columns less their weighted mean over the values of each point."""
+    """Columns (V, K) less their weighted means over the values of points, by each one's `first`."""
     sums = np.add.reduceat(columns * weights[:, None], first)
     total = np.maximum(np.add.reduceat(weights, first), 1e-12)
     count = np.diff(first, append=len(columns))

@@ -43,7 +43,7 @@ class TrackedPoints:
 
 
 def shrunk(encoded: Image) -> Image:
-    """A frame at the size at which points are followed."""
+    """A frame (H, W, 3) as points are followed in it, no side longer than `SIDE`."""
     scale = SIDE / max(encoded.shape[:2])
     if scale >= 1.0:
         return encoded

@@ -34,7 +34,7 @@ class Tone:
 
 
 def brightening_tone(encoded: npt.NDArray[np.float32]) -> Tone | None:
-    """Return the tone that gives a dark image middle gray and white, None if it has both."""
+    """Return the tone that gives a dark (H, W, 3) middle gray and white, None if it has both."""
     level = encoded.max(axis=2)
     white = float(np.quantile(level, _WHITE_QUANTILE))
     if not white > 0.0:

@@ -85,7 +85,10 @@ def _blurred(counts: Float, deviation: int) -> Float:
 
 
 def inside_face(pixels: Pixels, box_xy: Float) -> Pixels:
-    """The middle of a face; of a large one every second pixel, or third, and so on."""
+    """(h, w, 3) the middle of a face, of (H, W, 3) and its box (4,) [px].
+
+    Of a large one every second pixel, or third, and so on.
+    """
     left, top, width, height = box_xy.tolist()
     step = max(1, round(max(width, height) / _MOST_SIDE))
     rows = _part(top, height, pixels.shape[0], step)

@@ -93,7 +93,7 @@ class Networks:
         return found
 
     def combined(self, statistics: Mapping[str, Float]) -> Float:
-        """All statistics standardized, each cue's followed by 1; zeros for a cue not shown."""
+        """(N,) all statistics standardized, each cue's followed by 1; zeros for a cue not shown."""
         parts = []
         for cue in CUES:
             network = self.members[cue][0]

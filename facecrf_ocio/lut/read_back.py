@@ -50,7 +50,13 @@ def require_curve(path: Path, curve: InverseCRF, *, name: Path | None = None) ->
 def require_transform(
     path: Path, transform: LutTransform, row: LutFormat, *, name: Path | None = None
 ) -> None:
-    """Check that OpenColorIO makes of a file what its transform says; see `require_curve`."""
+    """Check that OpenColorIO makes of a file what its transform says; see `require_curve`.
+
+    Raises
+    ------
+    LutError
+        If it cannot read the file, or errs by more than the tolerance.
+    """
     name = path if name is None else name
     reader = _reader(path, row, name)
     if row.profile or transform.matrix is not None:

@@ -64,7 +64,7 @@ def align(linear: Photo, encoded: Photo) -> Aligned:
 
 
 def ranks(image: Image) -> Image:
-    """Luminance replaced by its rank, [0, 1]: alike for all increasing tone curves."""
+    """(H, W) rank of the luminance of (H, W, 3), [0, 1]: alike for all increasing tone curves."""
     luminance = image @ np.array([0.3, 0.6, 0.1], np.float32)
     order = np.sort(luminance.ravel())[:: max(1, luminance.size // 4096)]
     place = np.searchsorted(order, luminance, side="left") + np.searchsorted(

@@ -196,7 +196,10 @@ def _ranks_within(image: Image, both: Bool) -> Image:
 
 
 def warped(image: Image, warp: Float) -> Image:
-    """A photo as the reference sees it; -1 where it has no pixels. Unmoved, it is kept as it is."""
+    """A photo (H, W, 3) as the reference sees it, by a warp (2, 3) [px]; -1 where it has no pixels.
+
+    Unmoved, it is kept as it is.
+    """
     if np.array_equal(warp, np.eye(2, 3)):
         return image
     size = (image.shape[1], image.shape[0])

@@ -40,7 +40,7 @@ def fixed_curve(name: str, encoded: Float, model: ResponseModel) -> Float:
 
 
 def mean_curve(encoded: Float, model: ResponseModel) -> Float:
-    """The response model's mean, g0 of eq. 9."""
+    """The response model's mean at encoded values of any shape, g0 of eq. 9 (Li et al. 2017)."""
     return np.interp(encoded, model.grid, model.mean)
 
 

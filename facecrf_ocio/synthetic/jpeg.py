@@ -18,7 +18,13 @@ SAMPLING = {
 
 
 def jpeg_of(codes: Codes, quality: int, sampling: str = "4:2:0") -> bytes:
-    """Return the file of (H, W, 3) code values, at a quality of 1 to 100."""
+    """Return the file of (H, W, 3) code values, at a quality of 1 to 100.
+
+    Raises
+    ------
+    SettingsError
+        If JPEG cannot hold such an image.
+    """
     options = (
         *(cv2.IMWRITE_JPEG_QUALITY, quality),
         *(cv2.IMWRITE_JPEG_SAMPLING_FACTOR, SAMPLING[sampling]),

@@ -11,7 +11,13 @@ from facecrf_ocio.values import Camera, InverseCRF, Photo
 
 
 def gamma_curve(exponent: float | npt.ArrayLike, samples: int = 4096) -> InverseCRF:
-    """The inverse CRF linear = encoded ** exponent, one exponent or one for each channel."""
+    """The inverse CRF linear = encoded ** exponent, one exponent or one for each channel.
+
+    Raises
+    ------
+    SettingsError
+        If an exponent is not positive.
+    """
     encoded = np.linspace(0.0, 1.0, samples)
     exponents = np.broadcast_to(np.asarray(exponent, dtype=np.float64), (3,))
     if not (exponents > 0).all():
@@ -35,6 +41,11 @@ def encode(linear: npt.ArrayLike, curve: InverseCRF, bits: int = 8) -> npt.NDArr
     -------
     numpy.ndarray
         (..., 3) float32 code values divided by their maximum, [0, 1].
+
+    Raises
+    ------
+    SettingsError
+        If it is another number of bits.
     """
     encoded = curve.encode(np.asarray(linear))
     if bits == 0:

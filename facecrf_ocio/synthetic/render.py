@@ -34,6 +34,11 @@ def render_face(spec: SyntheticSpec) -> SyntheticFace:
     -------
     SyntheticFace
         Linear light as the sensor records it, and the truth behind it.
+
+    Raises
+    ------
+    SettingsError
+        If no skin is in view.
     """
     if spec.ideal:
         spec = _idealize(spec)

@@ -142,7 +142,13 @@ class Manifest(Connection):
         )
 
     def gathered(self, name: str) -> Gathered:
-        """Return what a photo says, which `gather` recorded."""
+        """Return what a photo says, which `gather` recorded.
+
+        Raises
+        ------
+        OutputError
+            If it is not there.
+        """
         rows = self.rows(
             "SELECT evidence, face, samples FROM evidence WHERE photo = ?", key_of(name)
         )

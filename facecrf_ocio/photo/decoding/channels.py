@@ -17,6 +17,11 @@ def color_channels(path: Path, spec: Any) -> list[int]:
     """Indices of R, G, B by name, those without a layer's prefix first; or of one gray channel.
 
     Film scans need not say what their channels are: OpenImageIO calls them I, I2 and I3 then.
+
+    Raises
+    ------
+    PhotoError
+        If there are none, which names the channels that there are.
     """
     names = _names(spec)
     by_name = rgb_channels(spec)

@@ -37,7 +37,13 @@ _SPACE_PRIMARIES = {"p3d65": "Display P3", "rec2020": "Rec.2020", "adobergb": "A
 
 
 def check_kind(path: Path, spec: Any, file_format: str) -> None:
-    """Refuse what is no photograph in RGB or gray."""
+    """Refuse what is no photograph in RGB or gray.
+
+    Raises
+    ------
+    PhotoError
+        Which says what it is, and what to take instead.
+    """
     photometric = spec.get_int_attribute(PHOTOMETRIC)
     spaces = [spec.get_string_attribute(f"{prefix}:ColorSpace") for prefix in ("jpeg", "tiff")]
     spaces.append(spec.get_string_attribute("psd:ColorMode"))
