@@ -17,12 +17,11 @@ from facecrf_ocio.benchmark.folds import assign_folds, fit_held_out
 from facecrf_ocio.benchmark.metrics import score
 from facecrf_ocio.benchmark.responses import Responses
 from facecrf_ocio.benchmark.store import Store
-from facecrf_ocio.benchmark.tables import csv_table, markdown_table
+from facecrf_ocio.benchmark.tables import markdown_table
 from facecrf_ocio.benchmark.truth import KnownFace
 from facecrf_ocio.benchmark.virtual_camera import CameraEncoding, count_codes, take_photo
+from facecrf_ocio.benchmark.written import write_cases
 from facecrf_ocio.calibrate import calibrate
-from facecrf_ocio.files.atomic import Draft, write_files
-from facecrf_ocio.files.strict_json import dump
 from facecrf_ocio.files.versions import versions
 from facecrf_ocio.response.model import ResponseModel
 from facecrf_ocio.settings import Settings
@@ -180,13 +179,7 @@ def _write(
         "seed": plan.seed,
     }
     cases = [asdict(result) for result in results]
-    contents = {
-        "ablations.md": text.encode(),
-        "ablations.csv": csv_table(cases),
-        "ablations.json": dump({"run": run, "cases": cases}),
-    }
-    drafts = [Draft(output / name, content, lambda _: None) for name, content in contents.items()]
-    return text, write_files(drafts, overwrite=True)
+    return text, write_cases(output, "ablations", text, run, cases)
 
 
 def _cells(group: Sequence[AblationResult]) -> list[str]:

@@ -16,13 +16,12 @@ import numpy as np
 
 from facecrf_ocio.benchmark.cases import code_digest
 from facecrf_ocio.benchmark.metrics import score
-from facecrf_ocio.benchmark.tables import csv_table, markdown_table, mean_of, number
+from facecrf_ocio.benchmark.tables import markdown_table, mean_of, number
 from facecrf_ocio.benchmark.virtual_camera import count_codes
+from facecrf_ocio.benchmark.written import write_cases
 from facecrf_ocio.calibrate import calibrate
 from facecrf_ocio.color.srgb import decode_srgb
 from facecrf_ocio.errors import FaceCRFError
-from facecrf_ocio.files.atomic import Draft, write_files
-from facecrf_ocio.files.strict_json import dump
 from facecrf_ocio.files.versions import versions
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.values import Estimate, Float, InverseCRF, Photo
@@ -120,23 +119,13 @@ def consistency_markdown(found: Consistency) -> str:
 def write_consistency(found: Consistency, output: Path) -> tuple[Path, ...]:
     """Write `consistency.md`, `consistency.csv` and `consistency.json` to a folder that exists."""
     cases = [asdict(difference) for difference in found.differences]
-    contents = {
-        "consistency.md": f"{consistency_markdown(found)}\n".encode(),
-        "consistency.csv": csv_table(cases),
-        "consistency.json": dump(
-            {
-                "run": {
-                    "versions": versions(),
-                    "code": code_digest(),
-                    "photos": len({d.photo for d in found.differences}),
-                    "left_out": list(found.left_out),
-                },
-                "cases": cases,
-            }
-        ),
+    run = {
+        "versions": versions(),
+        "code": code_digest(),
+        "photos": len({d.photo for d in found.differences}),
+        "left_out": list(found.left_out),
     }
-    drafts = [Draft(output / name, content, lambda _: None) for name, content in contents.items()]
-    return write_files(drafts, overwrite=True)
+    return write_cases(output, "consistency", f"{consistency_markdown(found)}\n", run, cases)
 
 
 def _through_curves(name: str, photo: Photo, estimate: Estimate) -> Iterator[Difference]:

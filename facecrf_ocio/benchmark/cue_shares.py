@@ -15,10 +15,9 @@ import numpy as np
 from facecrf_ocio.benchmark.cases import HELD_OUT, Plan
 from facecrf_ocio.benchmark.joint_folds import joint_model
 from facecrf_ocio.benchmark.metrics import score
-from facecrf_ocio.benchmark.tables import csv_table, markdown_table
+from facecrf_ocio.benchmark.tables import markdown_table
 from facecrf_ocio.benchmark.workbench import Workbench
-from facecrf_ocio.files.atomic import Draft, write_files
-from facecrf_ocio.files.strict_json import dump
+from facecrf_ocio.benchmark.written import write_cases
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude
 from facecrf_ocio.joint.evidence import Observation, observe
 from facecrf_ocio.joint.statistics import CUES
@@ -155,13 +154,7 @@ def _write(plan: Plan, results: Sequence[CueResult], output: Path) -> tuple[str,
         lines.append(_joined(len(plan.images), joined, whole))
     text = "\n\n".join([*lines, LEGEND]) + "\n"
     cases = [asdict(result) for result in results]
-    contents = {
-        "cues.md": text.encode(),
-        "cues.csv": csv_table(cases),
-        "cues.json": dump({"run": plan.description(), "cases": cases}),
-    }
-    drafts = [Draft(output / name, content, lambda _: None) for name, content in contents.items()]
-    return text, write_files(drafts, overwrite=True)
+    return text, write_cases(output, "cues", text, plan.description(), cases)
 
 
 def _table(

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from facecrf_ocio.benchmark.tables import (
-    csv_table,
     grouped,
     is_right,
     markdown_table,
@@ -17,8 +16,7 @@ from facecrf_ocio.benchmark.tables import (
     number,
 )
 from facecrf_ocio.benchmark.workbench import CaseResult
-from facecrf_ocio.files.atomic import Draft, write_files
-from facecrf_ocio.files.strict_json import dump
+from facecrf_ocio.benchmark.written import write_cases
 from facecrf_ocio.values import Float, Verdict
 
 LEGEND = """\
@@ -67,13 +65,7 @@ def stress_files(
     cases = [asdict(result) for result in results]
     for case in cases:
         del case["seconds"]
-    contents = {
-        "stress.md": text.encode(),
-        "stress.csv": csv_table(cases),
-        "stress.json": dump({"run": description, "cases": cases}),
-    }
-    drafts = [Draft(output / name, content, lambda _: None) for name, content in contents.items()]
-    return text, write_files(drafts, overwrite=True)
+    return text, write_cases(output, "stress", text, description, cases)
 
 
 def _photo(result: CaseResult) -> tuple[str, str, int, str]:

@@ -1,4 +1,4 @@
-"""The files that a bench of estimators leaves behind."""
+"""The files that benches leave behind."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 
 from facecrf_ocio.benchmark.tables import (
     Row,
+    csv_table,
     results_csv,
     results_record,
     rows_csv,
@@ -46,5 +47,18 @@ def write_tables(
         "results.json": dump(results_record(run, rows, results)),
         "timing.md": timing_markdown(results).encode(),
     }
+    return _written(output, contents)
+
+
+def write_cases(
+    output: Path, name: str, text: str, run: object, cases: Sequence[Mapping[str, object]]
+) -> tuple[Path, ...]:
+    """Write NAME.md, the table for people, NAME.csv, every case, and NAME.json, with the run."""
+    contents = {"md": text.encode(), "csv": csv_table(cases)}
+    contents["json"] = dump({"run": run, "cases": cases})
+    return _written(output, {f"{name}.{kind}": content for kind, content in contents.items()})
+
+
+def _written(output: Path, contents: Mapping[str, bytes]) -> tuple[Path, ...]:
     drafts = [Draft(output / name, content, lambda _: None) for name, content in contents.items()]
     return write_files(drafts, overwrite=True)
