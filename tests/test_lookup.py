@@ -14,8 +14,9 @@ from photo_files import CURVE, GRID, write_spi1d
 
 import facecrf_ocio.image.lookup
 from facecrf_ocio.errors import LutError, SettingsError
-from facecrf_ocio.image.lookup import HALF_MAX, Lookup, curve_lookup
+from facecrf_ocio.image.lookup import Lookup, curve_lookup
 from facecrf_ocio.image.lut_lookup import lut_lookup
+from facecrf_ocio.image.pixel_types import HALF_MAX
 from facecrf_ocio.lut.write import write_lut
 from facecrf_ocio.values import InverseCRF
 

@@ -17,7 +17,8 @@ from facecrf_ocio.clip.frame_list import Clip
 from facecrf_ocio.files.plain_text import complaint
 from facecrf_ocio.image.apply import BEYOND_HALF, WrittenExr, linear_rows, write_exr
 from facecrf_ocio.image.compression import COMPRESSION
-from facecrf_ocio.image.lookup import HALF_MAX, curve_lookup
+from facecrf_ocio.image.lookup import curve_lookup
+from facecrf_ocio.image.pixel_types import HALF_MAX
 from facecrf_ocio.photo.decoding.picture import open_image
 from facecrf_ocio.values import Estimate, InverseCRF, Outcome
 

@@ -18,9 +18,10 @@ from facecrf_ocio.files.atomic import require_free
 from facecrf_ocio.files.plain_text import complaint
 from facecrf_ocio.image.compression import COMPRESSION, require_compression
 from facecrf_ocio.image.exr_header import exr_header
-from facecrf_ocio.image.lookup import HALF_MAX, Lookup, curve_lookup
+from facecrf_ocio.image.lookup import Lookup, curve_lookup
 from facecrf_ocio.image.lut_lookup import lut_lookup
 from facecrf_ocio.image.output import write_image_file
+from facecrf_ocio.image.pixel_types import HALF_MAX
 from facecrf_ocio.record.output_names import require_exr_name
 from facecrf_ocio.values import InverseCRF, Photo
 

@@ -12,7 +12,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Any
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -23,6 +22,7 @@ from facecrf_ocio.image.by_table import (
     opencv_look_up,
     opencv_looks_up_16_bits,
 )
+from facecrf_ocio.image.pixel_types import HALF_MAX, MAXIMA, as_float, as_half, every_value
 from facecrf_ocio.image.reach import bring_back, some_lost
 from facecrf_ocio.values import InverseCRF
 
@@ -31,10 +31,8 @@ Float32 = npt.NDArray[np.float32]
 Transform = Callable[[Float32, Pixels], None]
 """Maps (H, W, 3) C-contiguous float32 to the like-shaped second argument, float32 or float16."""
 
-HALF_MAX = 65504.0  # largest finite half float
 _RGB = (0, 1, 2)  # channels
 _BAND = 1 << 19  # [pixel] 6 MB of float32 colors; a call for fewer costs more than the cache spares
-_MAXIMA = {np.dtype(np.uint8): 255, np.dtype(np.uint16): 65535}  # codes of white
 
 
 class Lookup:
@@ -111,7 +109,7 @@ class Lookup:
         _check(pixels, out, color)
         if out.size == 0:
             return out
-        work = _Work(maximum or _MAXIMA.get(pixels.dtype, 1), tuple(color), alpha)
+        work = _Work(maximum or MAXIMA.get(pixels.dtype, 1), tuple(color), alpha)
         if alpha is not None and _is_opaque(pixels, alpha, work.maximum):
             work = replace(work, alpha=None)
         if self.separable and work.alpha is None and pixels.dtype != np.float32:
@@ -138,7 +136,7 @@ class Lookup:
             self._has_cut |= bool((out[..., list(work.color)] == np.float16(HALF_MAX)).any())
 
     def _table(self, pixels: Pixels, dtype: Any, work: _Work) -> _Table:
-        values = _every_value(pixels.dtype, work.maximum)
+        values = every_value(pixels.dtype, work.maximum)
         table = np.repeat(values[:, None], pixels.shape[2], axis=1)
         result = self._transformed(np.repeat(values[None, :, None], 3, axis=2), work)[0]
         table[:, work.color] = result
@@ -148,7 +146,7 @@ class Lookup:
             infinite = ~np.isfinite(table) & np.isfinite(values)[:, None]
         if dtype != np.float16:
             return _Table(table, infinite)
-        return _Table(_half(table, work.color), infinite, bool((result > HALF_MAX).any()))
+        return _Table(as_half(table, work.color), infinite, bool((result > HALF_MAX).any()))
 
     def _compute(self, pixels: Pixels, out: Pixels, work: _Work) -> None:
         plain = work == _Work(work.maximum, _RGB, None) and pixels.shape[2] == 3
@@ -178,7 +176,7 @@ class Lookup:
             out[...] = self._cut_to_half(result, work) if out.dtype == np.float16 else result
 
     def _band(self, pixels: Pixels, out: Pixels, work: _Work) -> None:
-        values = _as_float(pixels, work.maximum)
+        values = as_float(pixels, work.maximum)
         given = np.ascontiguousarray(values[..., work.color * (3 // len(work.color))])
         coverage = np.ones_like(given[..., :1])
         if work.alpha is not None:
@@ -193,7 +191,7 @@ class Lookup:
     def _cut_to_half(self, values: Float32, work: _Work) -> Pixels:
         if (values[..., list(work.color)] > HALF_MAX).any():
             self._has_cut = True
-        return _half(values, work.color)
+        return as_half(values, work.color)
 
     def _transformed(self, given: Float32, work: _Work) -> Float32:
         """(H, W, 1 or 3) of (H, W, 3)."""
@@ -265,34 +263,3 @@ def _check(pixels: Pixels, out: Pixels, color: Sequence[int]) -> None:
 def _is_opaque(pixels: Pixels, alpha: int, maximum: int) -> bool:
     coverage = pixels[..., alpha]
     return bool((coverage == (1 if coverage.dtype.kind == "f" else maximum)).all())
-
-
-def _every_value(dtype: np.dtype[Any], maximum: int) -> Float32:
-    """(256,) or (65536,) the number that each bit pattern stands for."""
-    if dtype == np.float16:
-        return _as_float(np.arange(65536, dtype=np.uint16).view(np.float16), 1)
-    codes = np.arange(np.iinfo(dtype).max + 1)
-    return np.asarray(np.minimum(codes, maximum) / maximum, np.float32)
-
-
-def _as_float(pixels: Pixels, maximum: int) -> Float32:
-    if pixels.dtype.kind == "u":
-        return np.minimum(pixels / np.float32(maximum), 1, dtype=np.float32)
-    with np.errstate(invalid="ignore"):  # signaling NaN
-        return pixels.astype(np.float32)
-
-
-def _half(values: Float32, color: Sequence[int]) -> Pixels:
-    """As float16: colors too bright for it become its largest value, the rest infinite."""
-    if len(color) == values.shape[-1]:
-        values = np.clip(values, -HALF_MAX, HALF_MAX)
-    else:
-        values = values.copy()
-        values[..., list(color)] = np.clip(values[..., list(color)], -HALF_MAX, HALF_MAX)
-    if hasattr(cv2, "convertFp16"):  # until OpenCV 5
-        bits = cv2.convertFp16(values.reshape(len(values), -1))
-        return np.asarray(bits).view(np.float16).reshape(values.shape)
-    add: Any = cv2.add  # four times as fast as numpy's `astype`, and equal
-    return np.asarray(add(values.reshape(len(values), -1), 0.0, dtype=cv2.CV_16F)).reshape(
-        values.shape
-    )
