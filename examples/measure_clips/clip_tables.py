@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from facecrf_ocio.benchmark.tables import csv_table, markdown_table, mean_of, number
+from facecrf_ocio.benchmark.laid_out import csv_table, markdown_table, number
+from facecrf_ocio.benchmark.tables import mean_of
 from facecrf_ocio.files.atomic import Draft, write_files
 
 _HEADINGS = (

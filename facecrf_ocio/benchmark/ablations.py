@@ -14,10 +14,10 @@ import numpy as np
 from facecrf_ocio.benchmark.ablation import ABLATIONS, Ablation, ablate
 from facecrf_ocio.benchmark.cases import code_digest
 from facecrf_ocio.benchmark.folds import assign_folds, fit_held_out
+from facecrf_ocio.benchmark.laid_out import markdown_table
 from facecrf_ocio.benchmark.metrics import score
 from facecrf_ocio.benchmark.responses import Responses
 from facecrf_ocio.benchmark.store import Store
-from facecrf_ocio.benchmark.tables import markdown_table
 from facecrf_ocio.benchmark.truth import KnownFace
 from facecrf_ocio.benchmark.virtual_camera import CameraEncoding, count_codes, take_photo
 from facecrf_ocio.benchmark.written import write_cases

@@ -15,8 +15,9 @@ import cv2
 import numpy as np
 
 from facecrf_ocio.benchmark.cases import code_digest
+from facecrf_ocio.benchmark.laid_out import markdown_table, number
 from facecrf_ocio.benchmark.metrics import score
-from facecrf_ocio.benchmark.tables import markdown_table, mean_of, number
+from facecrf_ocio.benchmark.tables import mean_of
 from facecrf_ocio.benchmark.virtual_camera import count_codes
 from facecrf_ocio.benchmark.written import write_cases
 from facecrf_ocio.calibrate import calibrate

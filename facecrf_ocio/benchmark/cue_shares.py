@@ -14,8 +14,8 @@ import numpy as np
 
 from facecrf_ocio.benchmark.cases import HELD_OUT, Plan
 from facecrf_ocio.benchmark.joint_folds import joint_model
+from facecrf_ocio.benchmark.laid_out import markdown_table
 from facecrf_ocio.benchmark.metrics import score
-from facecrf_ocio.benchmark.tables import markdown_table
 from facecrf_ocio.benchmark.workbench import Workbench
 from facecrf_ocio.benchmark.written import write_cases
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from facecrf_ocio.benchmark.tables import Row, grouped, markdown_table, number, summarize
+from facecrf_ocio.benchmark.laid_out import markdown_table, number
+from facecrf_ocio.benchmark.tables import Row, grouped, summarize
 from facecrf_ocio.benchmark.workbench import CaseResult
 from facecrf_ocio.errors import PhotoError, reason_of
 from facecrf_ocio.estimators import FIXED_CURVES

@@ -8,13 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from facecrf_ocio.benchmark.tables import (
-    grouped,
-    is_right,
-    markdown_table,
-    mean_of,
-    number,
-)
+from facecrf_ocio.benchmark.laid_out import markdown_table, number
+from facecrf_ocio.benchmark.tables import grouped, is_right, mean_of
 from facecrf_ocio.benchmark.workbench import CaseResult
 from facecrf_ocio.benchmark.written import write_cases
 from facecrf_ocio.values import Float, Verdict

@@ -1,9 +1,7 @@
-"""From results to the tables people read, and the files programs read."""
+"""From results to statistics, and on to the tables people read and the files programs read."""
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import TypeVar
@@ -11,6 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from facecrf_ocio.benchmark.cases import HELD_OUT, PAPER
+from facecrf_ocio.benchmark.laid_out import csv_of, markdown_table, number
 from facecrf_ocio.benchmark.workbench import CaseResult
 from facecrf_ocio.values import Verdict
 
@@ -183,13 +182,13 @@ def timing_markdown(results: Sequence[CaseResult]) -> str:
 
 def rows_csv(rows: Sequence[Row]) -> bytes:
     """The tables' statistics at full precision."""
-    return _csv([field.name for field in fields(Row)], (asdict(row) for row in rows))
+    return csv_of([field.name for field in fields(Row)], (asdict(row) for row in rows))
 
 
 def results_csv(results: Sequence[CaseResult]) -> bytes:
     """Every case at full precision, without its time."""
     names = [field.name for field in fields(CaseResult) if field.name != "seconds"]
-    return _csv(names, (asdict(result) for result in results))
+    return csv_of(names, (asdict(result) for result in results))
 
 
 def results_record(
@@ -220,30 +219,3 @@ def _cells(row: Row) -> list[str]:
         number(row.reliable, 100, 0),
         number(row.reliable_right, 100, 0),
     ]
-
-
-def number(value: float | None, factor: float, digits: int = 2) -> str:
-    """A cell: `factor` times the value, a dash for none."""
-    return "-" if value is None else f"{factor * value:.{digits}f}"
-
-
-def markdown_table(headings: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
-    """Lay out a Markdown table whose columns line up, numbers to the right."""
-    widths = [max(map(len, column)) for column in zip(headings, *cells, strict=True)]
-    lines = [[text.ljust(widths[0]) if i == 0 else text.rjust(widths[i]) for i, text in
-              enumerate(line)] for line in (headings, *cells)]  # fmt: skip
-    rule = ["-" * widths[0], *("-" * (width - 1) + ":" for width in widths[1:])]
-    return "\n".join(f"| {' | '.join(line)} |" for line in (lines[0], rule, *lines[1:]))
-
-
-def csv_table(records: Sequence[Mapping[str, object]]) -> bytes:
-    """Records with the same names, at full precision."""
-    return _csv(list(records[0]) if records else [], records)
-
-
-def _csv(names: Sequence[str], records: Iterable[Mapping[str, object]]) -> bytes:
-    text = io.StringIO()
-    writer = csv.DictWriter(text, names, extrasaction="ignore", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(records)
-    return text.getvalue().encode()

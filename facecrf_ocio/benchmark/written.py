@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from facecrf_ocio.benchmark.laid_out import csv_table
 from facecrf_ocio.benchmark.tables import (
     Row,
-    csv_table,
     results_csv,
     results_record,
     rows_csv,
