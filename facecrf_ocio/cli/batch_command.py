@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 import sys
-from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +13,7 @@ import click
 from facecrf_ocio.archive.walk import Passed, photos_under
 from facecrf_ocio.cli.batch_progress import Progress, kind_of
 from facecrf_ocio.cli.choices import Choices
+from facecrf_ocio.cli.named_photos import named_photos
 from facecrf_ocio.cli.options import (
     TEXT_PATH,
     compression_option,
@@ -135,7 +134,7 @@ def batch(
         require_list(table, overwrite=job.overwrite)
     passed = Passed()
     if files_from is not None:
-        photos = _named(files_from.read(), source, b"\0" if null else b"\n")
+        photos = named_photos(files_from.read(), source, b"\0" if null else b"\n")
         total = None
     else:
         walk = (source, include, exclude)
@@ -260,24 +259,3 @@ def _cluster(scheduler: str | None, ship: bool | None, *tls: Path | None) -> Clu
     from facecrf_ocio.archive.work.cluster import Cluster
 
     return Cluster(scheduler, ship, *map(str, filter(None, tls)))
-
-
-def _named(text: bytes, source: Path, end: bytes) -> Iterator[Path]:
-    """Photos of a list, relative to the source or absolute; those elsewhere are refused."""
-    root = Path(os.path.abspath(source))  # noqa: PTH100 - links are names, too
-    if end == b"\n" and b"\0" in text:
-        raise click.UsageError("the list of --files-from holds NUL; pass -0")
-    for line in text.removeprefix(b"\xef\xbb\xbf").split(end):
-        if line.strip(b"\r"):
-            path = _named_path(root, line)
-            if root not in path.parents:
-                raise click.BadParameter(f"{path} is not below {source}")
-            yield source / path.relative_to(root)
-
-
-def _named_path(root: Path, line: bytes) -> Path:
-    """A line's photo; of lists that Windows wrote a line's end has a byte too many."""
-    path = Path(os.path.normpath(root / os.fsdecode(line)))
-    if line.endswith(b"\r") and not os.path.lexists(path):
-        return Path(os.path.normpath(root / os.fsdecode(line.removesuffix(b"\r"))))
-    return path
