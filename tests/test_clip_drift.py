@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from facecrf_ocio.clip.curve_drift import Drift, drift_of_curves, drift_of_points
+from facecrf_ocio.clip.curve_drift import drift_of_curves, drift_of_points
+from facecrf_ocio.clip.drift_evidence import Drift
 from facecrf_ocio.clip.tracked_points import TrackedPoints, thinned
 from facecrf_ocio.joint import shipped_joint
 from facecrf_ocio.joint.prior import Posterior
@@ -31,12 +32,12 @@ def bent(size):
 def seen(curves, stops=STILL, moving=None):
     """The drift of a clip of points over a picture, each channel a light of its own.
 
-    `moving` (J, N) [stop] is light that is not the same in all frames.
+    `moving` gives (J, N) [stop] of light that is not the same in all frames, by places and light.
     """
     generator = np.random.default_rng(0)
     places = generator.uniform(size=(COUNT, 2))
     light = generator.uniform(-5.0, -1.2, (COUNT, 3))
-    moved = 0.0 if moving is None else moving(places)[:, :, None]
+    moved = 0.0 if moving is None else moving(places, light.mean(axis=1))[:, :, None]
     shown = np.exp2(light + np.asarray(stops)[:, None, None] + moved)
     codes = np.stack(
         [255.0 * np.interp(one, curve, GRID) for one, curve in zip(shown, curves, strict=True)]
@@ -67,17 +68,34 @@ def test_where_exposure_only_rises_nothing_can_be_told(stops, hidden):
 
 @pytest.mark.parametrize("course", [TIMES, 0.5 * WANDERING])
 def test_light_that_moves_over_the_picture_is_no_drift(course):
-    def across(places):
+    def across(places, _):
         return 0.4 * np.outer(course, places @ (1.0, 0.5))
 
     assert not seen([GRID**2.2] * 12, WANDERING, across).is_sure
 
 
 def test_a_drift_is_seen_through_light_that_moves():
-    def across(places):
+    def across(places, _):
         return 0.2 * np.outer(TIMES, places[:, 0])
 
     assert seen([GRID**e for e in 2.2 + 0.2 * TIMES], WANDERING, across).is_sure
+
+
+def turning(_, light):
+    """What a head does that turns: light goes with the brightness of points, and each its own way.
+
+    It is the same in all channels.
+    """
+    own = np.random.default_rng(1).normal(0.0, 0.1, light.size)
+    return np.outer(TIMES, 0.06 * (light - light.mean()) + own)
+
+
+def test_light_that_goes_with_brightness_is_no_drift_as_colors_stay():
+    assert not seen([GRID**2.2] * 12, WANDERING, turning).is_sure
+
+
+def test_a_drift_is_seen_through_light_that_goes_with_brightness():
+    assert seen([GRID**e for e in 2.2 + 0.2 * TIMES], WANDERING, turning).is_sure
 
 
 def test_few_frames_or_points_in_one_corner_tell_nothing():

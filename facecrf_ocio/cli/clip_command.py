@@ -31,7 +31,7 @@ from facecrf_ocio.files.plain_text import counted
 
 if TYPE_CHECKING:
     from facecrf_ocio.clip.clip_estimate import ClipEstimate
-    from facecrf_ocio.clip.curve_drift import Drift
+    from facecrf_ocio.clip.drift_evidence import Drift
     from facecrf_ocio.clip.frame_list import Clip
     from facecrf_ocio.values import Estimate
 

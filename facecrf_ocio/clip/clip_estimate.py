@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from facecrf_ocio.clip.curve_drift import Drift
+from facecrf_ocio.clip.drift_evidence import Drift
 from facecrf_ocio.values import Estimate
 
 

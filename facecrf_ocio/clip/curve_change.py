@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from facecrf_ocio.clip.beside_faces import BesideFaces
 from facecrf_ocio.clip.clip_estimate import Stretch
 from facecrf_ocio.clip.curve_course import course_of_points, levels_of, posterior_at
-from facecrf_ocio.clip.curve_drift import Drift, drift_of_points
+from facecrf_ocio.clip.curve_drift import drift_of_points
+from facecrf_ocio.clip.drift_evidence import Drift
 from facecrf_ocio.clip.tracked_points import FEWER, TrackedPoints, thinned
 from facecrf_ocio.joint import JointModel
 from facecrf_ocio.joint.prior import Posterior

@@ -119,29 +119,44 @@ def smooth_fields(places: Float) -> tuple[Float, Float]:
 def change_bends(codes: Float, curve: StartCurve, span: tuple[float, float]) -> Float:
     """(V, CHANGES) bends of a change, even in log light, so that a changing exponent is one."""
     low, high = curve.light(np.array(span))
-    return _splines(curve.light(codes), low, high, CHANGES)
+    return splines(curve.light(codes), low, high, CHANGES)
 
 
 def columns_at(codes: Float, curve: StartCurve, placed: Placed) -> Float:
     """(V, C) all parts at codes (V,): bends that stay, the change, light that moves."""
+    bends = bends_at(codes, placed.time, curve, placed.span)
+    return np.column_stack([*bends, field_columns(placed)])
+
+
+def bends_at(
+    codes: Float, time: Float, curve: StartCurve, span: tuple[float, float]
+) -> tuple[Float, Float]:
+    """Bends that stay, and those of the change, at codes (V,) and times (V,)."""
     prior = curve.prior
     light = curve.light(codes)
     middle = light - light.mean()
     per_root = 2.0 / (np.log(2.0) * np.interp(codes, prior.grid, curve.root))
     basis = np.stack([np.interp(codes, prior.grid, one) for one in prior.basis], axis=1)
     staying = np.column_stack(
-        [basis * per_root[:, None], _splines(codes, *placed.span, _STAYING), middle**2, middle**3]
+        [basis * per_root[:, None], splines(codes, *span, _STAYING), middle**2, middle**3]
     )
-    # Scale and exponent of a curve no exposure shows. Left in, they would shrink all light.
-    even = np.column_stack([np.ones(light.size), middle])
-    staying -= even @ np.linalg.lstsq(even, staying, rcond=None)[0]
-    change = change_bends(codes, curve, placed.span)
+    change = change_bends(codes, curve, span)
     change -= change.mean(axis=0)
-    shown = np.zeros((light.size, placed.frames))
-    shown[np.arange(light.size), placed.frame] = 1.0
+    return without_exponent(staying, light), change * time[:, None]
+
+
+def without_exponent(columns: Float, light: Float) -> Float:
+    """Less scale and exponent of a curve, which no exposure shows: they would shrink all light."""
+    even = np.column_stack([np.ones(light.size), light - light.mean()])
+    return np.asarray(columns - even @ np.linalg.lstsq(even, columns, rcond=None)[0])
+
+
+def field_columns(placed: Placed) -> Float:
+    """Light that moves over the picture: in proportion to time, and some of it freely."""
+    shown = np.zeros((placed.time.size, placed.frames))
+    shown[np.arange(placed.time.size), placed.frame] = 1.0
     free = [placed.fields[:, [one]] * shown[:, 1:] for one in np.flatnonzero(_is_free(placed))]
-    time = placed.time[:, None]
-    return np.column_stack([staying, change * time, placed.fields * time, *free])
+    return np.column_stack([placed.fields * placed.time[:, None], *free])
 
 
 def change_begins(curve: StartCurve) -> int:
@@ -152,27 +167,30 @@ def change_begins(curve: StartCurve) -> int:
 def precision_of(curve: StartCurve, placed: Placed) -> Float:
     """(C, C) of what is known of all parts beforehand."""
     size = len(curve.precision)
-    each = _FIELD_STOPS / placed.waves
-    spread = np.concatenate(
-        [
-            np.ones(size),
-            np.full(_STAYING, _STAYING_STOPS),
-            [SQUARE, CUBE],
-            np.full(CHANGES, _CHANGE_STOPS),
-            each,
-            np.repeat(each[_is_free(placed)], placed.frames - 1),
-        ]
-    )
+    spread = np.concatenate([spread_of_bends(curve), spread_of_fields(placed)])
     precision = np.diag(spread**-2.0)
     precision[:size, :size] = curve.precision
     return precision
 
 
-def moving_light(parts: Float, curve: StartCurve, placed: Placed) -> float:
+def spread_of_bends(curve: StartCurve) -> Float:
+    """Standard deviations of all bends; those of the curve's coefficients are 1, and not used."""
+    size = len(curve.precision)
+    staying = [np.ones(size), np.full(_STAYING, _STAYING_STOPS), [SQUARE, CUBE]]
+    return np.concatenate([*staying, np.full(CHANGES, _CHANGE_STOPS)])
+
+
+def spread_of_fields(placed: Placed) -> Float:
+    """[stop] standard deviations of light that moves over the picture."""
+    each = _FIELD_STOPS / placed.waves
+    return np.concatenate([each, np.repeat(each[_is_free(placed)], placed.frames - 1)])
+
+
+def moving_light(parts: Float, placed: Placed) -> float:
     """[stop] RMS over values of the light that moves over the picture from first to last frame."""
-    begin, count = change_begins(curve) + CHANGES, placed.waves.size
-    with_time: Float = np.array(parts[begin : begin + count])
-    free = parts[begin + count :].reshape(-1, placed.frames - 1)
+    count = placed.waves.size
+    with_time: Float = np.array(parts[:count])
+    free = parts[count:].reshape(-1, placed.frames - 1)
     times = np.array([placed.time[placed.frame == one].mean() for one in range(placed.frames)])
     going = times - times.mean()
     with_time[_is_free(placed)] += free @ going[1:] / (going @ going)
@@ -183,7 +201,7 @@ def _is_free(placed: Placed) -> np.typing.NDArray[np.bool_]:
     return np.asarray(placed.waves <= _FREE_WAVES)
 
 
-def _splines(at: Float, low: float, high: float, count: int) -> Float:
+def splines(at: Float, low: float, high: float, count: int) -> Float:
     """(V, count) cubic B-splines, evenly between two values, at values (V,)."""
     inner = np.linspace(low, high, count - _DEGREE + 1)
     knots = np.concatenate([[low] * _DEGREE, inner, [high] * _DEGREE])
