@@ -98,6 +98,12 @@ def test_a_drift_is_seen_through_light_that_goes_with_brightness():
     assert seen([GRID**e for e in 2.2 + 0.2 * TIMES], WANDERING, turning).is_sure
 
 
+def test_a_drift_is_seen_though_one_frame_shows_no_point():
+    stops = STILL.copy()
+    stops[5] = -12.0
+    assert seen([GRID**e for e in 2.2 + 0.2 * TIMES], stops).is_sure
+
+
 def test_few_frames_or_points_in_one_corner_tell_nothing():
     curves = [GRID**2.1, GRID**2.3]
     light = np.exp2(np.linspace(-5.0, -1.2, 200))

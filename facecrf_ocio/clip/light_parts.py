@@ -191,8 +191,10 @@ def moving_light(parts: Float, placed: Placed) -> float:
     count = placed.waves.size
     with_time: Float = np.array(parts[:count])
     free = parts[count:].reshape(-1, placed.frames - 1)
-    times = np.array([placed.time[placed.frame == one].mean() for one in range(placed.frames)])
-    going = times - times.mean()
+    values = np.bincount(placed.frame, minlength=placed.frames)
+    times = np.bincount(placed.frame, placed.time, placed.frames) / np.maximum(values, 1)
+    # A frame without a point, as one that is nearly black, has no say.
+    going = np.where(values > 0, times - times[values > 0].mean(), 0.0)
     with_time[_is_free(placed)] += free @ going[1:] / (going @ going)
     return float(np.std(placed.fields @ with_time))
 
