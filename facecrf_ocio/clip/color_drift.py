@@ -12,15 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from facecrf_ocio.clip.drift_evidence import Change
-from facecrf_ocio.clip.drift_fit import (
-    ALIKE,
-    REWEIGHTED,
-    ROUNDS,
-    TILES,
-    beside_frames,
-    weights_of,
-)
+from facecrf_ocio.clip.drift_evidence import ALIKE, REWEIGHTED, ROUNDS, TILES, Change
 from facecrf_ocio.clip.light_parts import (
     CHANGES,
     Placed,
@@ -33,7 +25,7 @@ from facecrf_ocio.clip.light_parts import (
     spread_of_fields,
     without_exponent,
 )
-from facecrf_ocio.clip.point_values import expected_noise
+from facecrf_ocio.clip.point_values import beside_frames, expected_noise, weights_of
 from facecrf_ocio.values import CHANNELS, Float, Index
 
 # Rows: brightness, and two colors, orthonormal.

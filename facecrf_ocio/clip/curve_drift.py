@@ -16,21 +16,17 @@ import numpy as np
 
 from facecrf_ocio.clip.color_drift import change_of_colors
 from facecrf_ocio.clip.drift_evidence import (
+    ALIKE,
     ALWAYS,
+    REWEIGHTED,
+    ROUNDS,
     SAMPLES,
     SHOWN,
     SURE,
+    TILES,
     Change,
     Drift,
     judged,
-)
-from facecrf_ocio.clip.drift_fit import (
-    ALIKE,
-    REWEIGHTED,
-    ROUNDS,
-    TILES,
-    beside_frames,
-    weights_of,
 )
 from facecrf_ocio.clip.light_parts import (
     CHANGES,
@@ -43,7 +39,7 @@ from facecrf_ocio.clip.light_parts import (
     smooth_fields,
     start_curve,
 )
-from facecrf_ocio.clip.point_values import expected_noise
+from facecrf_ocio.clip.point_values import beside_frames, expected_noise, weights_of
 from facecrf_ocio.clip.tracked_points import TrackedPoints
 from facecrf_ocio.joint.prior import FamilyPrior, Posterior
 from facecrf_ocio.values import CHANNELS, Float, Index, InverseCRF

@@ -17,6 +17,10 @@ from facecrf_ocio.clip.light_parts import (
 )
 from facecrf_ocio.values import Float
 
+ROUNDS = 3  # of places on the curve
+REWEIGHTED = 2  # times a round
+ALIKE = 3.0  # values that count as one beside what is known beforehand
+TILES = 7  # parts of the picture, a side, that err each in their own way
 SHOWN = (0.05, 0.88)  # codes over which a change counts: beyond, codes are few or coarse
 SAMPLES = 64  # of those codes
 # F of a change from which it is told, in channels alone and in all at once. By 124 clips that drift

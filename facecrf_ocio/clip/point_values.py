@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from facecrf_ocio.clip.light_parts import Placed
 from facecrf_ocio.clip.tracked_points import TrackedPoints
 from facecrf_ocio.joint.prior import FamilyPrior
-from facecrf_ocio.response.robust import biweight, robust_deviation
-from facecrf_ocio.values import CHANNELS, Bool, Float
+from facecrf_ocio.response.robust import biweight, biweight_of_squares, robust_deviation
+from facecrf_ocio.values import CHANNELS, Bool, Float, Index
 
 _CODE_NOISE = 0.5  # [code value] of a patch's mean, with what codecs do to it
 _FLOOR = 0.02  # [stop] what points differ by at best: lights that flicker, vignetting, shading
@@ -17,6 +18,13 @@ _NEWTON = 3  # steps from a code to that of its fitted light
 _LEAST_ROOT = 0.02  # of the root of light, where the logarithm would run away
 _UNKNOWN = 10.0  # [stop] standard deviation of exposures of which nothing is known
 _TOLD = 0.03  # [stop] of those that files tell: shutters, and what they leave out
+
+# Of a fit of light that may drift. A point's own noise is taken from its values, beside so many of
+# the usual: those at edges, and where light moves, count less.
+_USUAL = 5.0
+_MOST_NOISE = 9.0  # [usual variance] that one value counts in that
+_LEAST_SCALE = 0.1  # of residuals to the noise that was expected
+_LOOSE = 1e-2  # precision of a frame's exposure, of which nothing is known
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -154,3 +162,33 @@ def centered(columns: Float, weights: Float, first: np.typing.NDArray[np.intp]) 
     total = np.maximum(np.add.reduceat(weights, first), 1e-12)
     count = np.diff(first, append=len(columns))
     return np.asarray(columns - np.repeat(sums / total[:, None], count, axis=0))
+
+
+def beside_frames(
+    columns: Float, weights: Float, placed: Placed, first: Index
+) -> tuple[Float, Float]:
+    """Columns less what one number a point and one a frame explain of them, and those of frames.
+
+    `first` (P,) is the place of each point's first value.
+    """
+    shown: Float = np.zeros((len(columns), placed.frames))
+    shown[np.arange(len(columns)), placed.frame] = 1.0
+    shown, apart = centered(shown, weights, first), centered(columns, weights, first)
+    heavy = shown * weights[:, None]
+    normal = shown.T @ heavy + _LOOSE * np.eye(placed.frames)
+    of_frames = np.linalg.solve(normal, heavy.T @ apart)
+    return apart - shown @ of_frames, of_frames
+
+
+def weights_of(standard: Float, first: Index) -> Float:
+    """(V, K) of residuals (V, K) in units of the noise that was expected.
+
+    By their scale, by each point's own noise, and robustly; K values at a time are of one kind.
+    """
+    scale = max(robust_deviation(standard), _LEAST_SCALE)
+    standard = standard / scale
+    count = np.diff(first, append=len(standard))
+    squares = np.minimum(standard**2, _MOST_NOISE).mean(axis=1)
+    own = np.add.reduceat(squares, first)
+    variance = np.repeat((_USUAL + own) / (_USUAL + count), count)[:, None]
+    return np.asarray(biweight_of_squares(standard**2 / variance) / (variance * scale**2))
