@@ -328,11 +328,14 @@ def test_all_weights_can_be_made_again_from_the_data(development_data, tmp_path)
     pytest.importorskip("torch", reason="needs the extra train")
     few = ["--parts", "2", "--epochs", "1", "--members", "1", "--band-photos", "4"]
     made, held_out = tmp_path / "joint.npz", tmp_path / "held_out.npz"
+    (tmp_path / "portraits").mkdir()
+    write(tmp_path / "portraits" / "hopper.png", grace_hopper(), "uint8")
     told = CliRunner().invoke(
         main,
         [
             *("reproduce", "--data", str(development_data), "--processes", "1", *few),
-            *("--work", str(tmp_path), "-o", str(made), "--held-out", str(held_out)),
+            *("--portraits", str(tmp_path / "portraits"), "--work", str(tmp_path)),
+            *("-o", str(made), "--held-out", str(held_out)),
         ],
     )
     assert told.exit_code == 0, told.output
@@ -340,6 +343,7 @@ def test_all_weights_can_be_made_again_from_the_data(development_data, tmp_path)
     with np.load(made) as stored:
         made_by = json.loads(str(stored["made_by"]))
     assert (made_by["parts"], made_by["epochs"], made_by["members"]) == (2, 1, 1)
+    assert made_by["portraits"] == 1
     assert set(made_by["data_sha256"]) >= {"dorf_201_curves.mat", "heads", "scenes"}
     assert made_by["band_measured"].endswith("--photos 4 --seed 2")
     evidence = gather(Photo(grace_hopper(), bit_depth=8), networks=load_joint(made).networks)

@@ -22,11 +22,18 @@ from facecrf_ocio.training.plan import (
     HELD_OUT_MEMBERS,
     MEMBERS,
     PARTS,
+    PORTRAITS_SEED,
     SEED,
     Data,
     held_out_names,
     left_out,
     makers_left_out,
+)
+from facecrf_ocio.training.portraits import (
+    Versions,
+    observe_portraits,
+    read_versions,
+    write_versions,
 )
 from facecrf_ocio.training.simulate_parts import simulate_parts
 from facecrf_ocio.training.weights import pack, with_band
@@ -62,6 +69,16 @@ def simulate_command(data: Path, parts: int, seed: int, processes: int, output: 
     simulate_parts(Data(data), output, parts, seed, processes)
 
 
+@main.command("portraits")
+@click.argument("folder", type=_FOLDER)
+@click.option("--seed", default=PORTRAITS_SEED, show_default=True)
+@click.option("--processes", default=2, show_default=True)
+@click.option("-o", "--output", required=True, type=_FILE)
+def portraits_command(folder: Path, seed: int, processes: int, output: Path) -> None:
+    """Send the portraits below FOLDER through known curves and count what their versions show."""
+    click.echo(f"{len(_versions(folder, seed, processes, output))} portraits")
+
+
 @main.command("fit")
 @_DATA
 @click.argument("folder", type=_FOLDER)
@@ -70,11 +87,14 @@ def simulate_command(data: Path, parts: int, seed: int, processes: int, output: 
     type=click.Choice(held_out_names()),
     help="Responses to hold out: a fold of DoRF, or of makers in one of the other files.",
 )
+@click.option("--portraits", type=_FILE, help="Of `portraits`: their versions shall agree.")
 @click.option("--parts", default=PARTS, show_default=True)
 @click.option("--epochs", default=EPOCHS, show_default=True)
 @click.option("--members", default=MEMBERS, show_default=True)
 @click.option("-o", "--output", required=True, type=_FILE)
-def fit_command(folder: Path, data: Path, without: str | None, **choices: Any) -> None:
+def fit_command(
+    folder: Path, data: Path, without: str | None, portraits: Path | None, **choices: Any
+) -> None:
     """Fit prior and networks to the parts that `simulate` stored in FOLDER."""
     from facecrf_ocio.training.fit import Training, fit_joint  # noqa: PLC0415
 
@@ -85,7 +105,8 @@ def fit_command(folder: Path, data: Path, without: str | None, **choices: Any) -
     training = Training(epochs=choices["epochs"], members=choices["members"])
     told = {"parts": len(paths), "data_sha256": source.digests()}
     makers = () if without is None else makers_left_out(without, source)
-    fit_joint(choices["output"], kept, training, without, makers, told)
+    versions = None if portraits is None else read_versions(portraits)
+    fit_joint(choices["output"], kept, training, without, makers, told, versions)
 
 
 @main.command("charts")
@@ -136,6 +157,7 @@ def _measure_and_set(
 @main.command("reproduce")
 @_DATA
 @_numbers
+@click.option("--portraits", type=_FOLDER, help="Photos of faces whose versions shall agree.")
 @click.option("--work", type=_FOLDER, default=Path("training"), show_default=True)
 @click.option("-o", "--output", required=True, type=_FILE, help="The weights that ship.")
 @click.option("--held-out", type=_FILE, help="The bench's weights, all in one file.")
@@ -149,6 +171,7 @@ def reproduce_command(
     parts: int,
     seed: int,
     processes: int,
+    portraits: Path | None,
     work: Path,
     output: Path,
     held_out: Path | None,
@@ -165,9 +188,13 @@ def reproduce_command(
     paths = sorted((work / "parts").glob("part*.npz"))[:parts]
     examples = read_parts(paths, source.curves().kind)
     told = {"parts": len(paths), "seed": seed, "data_sha256": source.digests()}
+    stored = work / "portraits.npz"
+    versions = None
+    if portraits is not None:
+        versions = _versions(portraits, PORTRAITS_SEED, processes, stored)
     training = Training(epochs=choices["epochs"], members=choices["members"])
     if not output.exists():
-        fit_joint(output, examples, training, None, (), told)
+        fit_joint(output, examples, training, None, (), told, versions)
     if held_out is None:
         return
     made = {}
@@ -176,9 +203,17 @@ def reproduce_command(
         if not made[name].exists():
             kept = examples.where(~left_out(name, examples, source))
             alone = replace(training, members=HELD_OUT_MEMBERS)
-            fit_joint(made[name], kept, alone, name, makers_left_out(name, source), told)
+            makers = makers_left_out(name, source)
+            fit_joint(made[name], kept, alone, name, makers, told, versions)
     pack(held_out, made)
     _measure_and_set(source, held_out, choices["band_photos"], BAND_SEED, (output, held_out))
+
+
+def _versions(folder: Path, seed: int, processes: int, stored: Path) -> Versions:
+    """Of the portraits below a folder, as they are stored already or made now."""
+    if not stored.exists():
+        write_versions(stored, observe_portraits(folder, seed, processes))
+    return read_versions(stored)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from torch import Tensor
 from facecrf_ocio.joint.prior import FamilyPrior
 
 _NOT_IT = -30.0  # log weight of a family that is told not to be the photo's
-_SMALLEST = 4e-3  # root of light, below which stops are not told apart
+SMALLEST = 4e-3  # root of light, below which stops are not told apart
 _MIDDLE = 128  # [code value] where the free factor of light is taken out, as the bench does
 _TONES, _SHADOWS = (64, 236), (16, 65)  # codes
 _STEP = 4  # codes
@@ -65,8 +65,10 @@ class PosteriorLoss:
         logs[(told[:, None] & other) | (hinted[:, None] & other_kind)] = _NOT_IT
         return logs
 
-    def judge(self, mean: Tensor, precision: Tensor, log_weights: Tensor, truth: Tensor) -> Loss:
-        """What the posterior of messages (N, M) is worth for the true coefficients (N, M)."""
+    def mean_of(
+        self, mean: Tensor, precision: Tensor, log_weights: Tensor
+    ) -> tuple[Tensor, Tensor]:
+        """The posterior's mean (N, M), and the log evidence (N, K) of each component."""
         variance = 1.0 / precision
         offset = self.means[None] - mean[:, None]
         solved, half_log_det = _Solve.apply(self.covariances, variance, offset)  # type: ignore[no-untyped-call]
@@ -74,7 +76,12 @@ class PosteriorLoss:
         # What the covariance takes from a component's mean is what the message's variance adds to
         # the message's mean.
         moved = (torch.softmax(evidence, -1)[..., None] * solved).sum(1)
-        tones, shadows, error = self.distances(mean + variance * moved, truth)
+        return mean + variance * moved, evidence
+
+    def judge(self, mean: Tensor, precision: Tensor, log_weights: Tensor, truth: Tensor) -> Loss:
+        """What the posterior of messages (N, M) is worth for the true coefficients (N, M)."""
+        found, evidence = self.mean_of(mean, precision, log_weights)
+        tones, shadows, error = self.distances(found, truth)
         with torch.no_grad():
             away = (truth[:, None] - self.means[None]).transpose(0, 1).transpose(1, 2)
             from_prior = torch.linalg.solve_triangular(self.roots, away, upper=False)
@@ -89,7 +96,7 @@ class PosteriorLoss:
         estimate, true = (self.mean + c @ self.basis for c in (mean, truth))
         error = torch.sqrt(((estimate**2 - true**2) ** 2).mean(1) + 1e-6)
         logs = 2.0 * torch.log2(
-            torch.clamp(estimate, min=_SMALLEST) / torch.clamp(true, min=_SMALLEST)
+            torch.clamp(estimate, min=SMALLEST) / torch.clamp(true, min=SMALLEST)
         )
         logs = logs - logs[:, _MIDDLE // _STEP, None]
         tones, shadows = (
