@@ -38,8 +38,8 @@ _BLIND = (
 )
 # `facecrf bench stress`, a day's photos through held-out DoRF responses; see docs/accuracy.md.
 _OURS = (
-    ("`facecrf calibrate`, rendered heads", "3.9", "15.5"),
-    ("`facecrf calibrate`, real photos", "9.5", "24.4"),
+    ("`facecrf calibrate`, rendered heads", "4.7", "13.5"),
+    ("`facecrf calibrate`, real photos", "8.6", "22.7"),
 )
 
 
