@@ -108,16 +108,18 @@ def networks_of(arrays: Mapping[str, Float]) -> Networks:
     """The networks in the arrays of a file of weights."""
     members = range(int(arrays["ensemble"]))
     return Networks(
-        {cue: tuple(_network(arrays, f"{cue}_{m}") for m in members) for cue in (*CUES, COMBINED)},
+        {cue: tuple(_network(arrays, cue, m) for m in members) for cue in (*CUES, COMBINED)},
         familiarity_of(arrays),
     )
 
 
-def _network(arrays: Mapping[str, Float], name: str) -> CueNetwork:
-    def stored(part: str) -> Float:
-        return exact_array(arrays, f"{name}_{part}")
+def _network(arrays: Mapping[str, Float], cue: str, member: int) -> CueNetwork:
+    """All networks of a cue were shown the same statistics, so their scaling is stored once."""
 
-    layers = tuple((stored(f"weight{n}"), stored(f"bias{n}")) for n in range(4))
+    def stored(part: str) -> Float:
+        return exact_array(arrays, f"{cue}_{part}")
+
+    layers = tuple((stored(f"{member}_weight{n}"), stored(f"{member}_bias{n}")) for n in range(4))
     return CueNetwork(stored("center"), stored("scale"), layers)
 
 

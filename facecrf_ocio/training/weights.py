@@ -49,8 +49,10 @@ def save_joint(
     for number, member in enumerate(members):
         for name, value in member.items():
             cue, part = name.split("/")
-            exact = part in ("center", "scale")
-            arrays[f"{cue}_{number}_{part}"] = value.astype(np.float32 if exact else np.float16)
+            if part in ("center", "scale"):  # the same of all members
+                arrays[f"{cue}_{part}"] = value.astype(np.float32)
+            else:
+                arrays[f"{cue}_{number}_{part}"] = value.astype(np.float16)
     arrays |= {
         "ensemble": np.array(len(members)),
         "band_scale": np.array(1.0),
