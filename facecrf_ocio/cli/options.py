@@ -175,8 +175,8 @@ def compression_option(command: Callable[..., Any]) -> Callable[..., Any]:
         default=COMPRESSION,
         show_default=True,
         metavar="NAME[:LEVEL]",
-        help=f"OpenEXR's; one of {', '.join(COMPRESSIONS)}. zip:1 is written in 0.7 of the time, "
-        "2 to 8 % larger.",
+        help=f"OpenEXR's; one of {', '.join(COMPRESSIONS)}. zip, of OpenEXR's own level, takes 1.4 "
+        "times as long as zip:1 for files 2 to 8 % smaller.",
     )(command)
 
 

@@ -23,6 +23,7 @@ from facecrf_ocio.benchmark.speed.linearize_speed import (
 from facecrf_ocio.benchmark.speed.race import Call, Timed, race
 from facecrf_ocio.benchmark.speed.speed_row import SpeedRow, in_ratio
 from facecrf_ocio.files.threads import one_opencv_thread, usable_cores
+from facecrf_ocio.image.compression import COMPRESSION
 from facecrf_ocio.image.lut_lookup import lut_lookup
 from facecrf_ocio.lut.write import write_lut
 from facecrf_ocio.response.fixed import fixed_curve
@@ -31,7 +32,7 @@ from facecrf_ocio.values import InverseCRF
 
 _MEGAPIXELS = 12.0  # of the picture
 _APPLY = 1.5  # wanted: so many times as fast as OpenColorIO, each pair of types
-_EXR = {"none": 1.10, "zip": 0.9, "zip:1": 0.9}  # wanted: the ratio to decode + write
+_EXR = {"none": 1.10, COMPRESSION: 0.9}  # wanted: the ratio to decode + write
 
 
 def srgb_lut(folder: Path) -> Path:
