@@ -11,7 +11,7 @@ from torch import Tensor, nn
 
 from facecrf_ocio.joint.prior import FAMILIES, FamilyPrior
 from facecrf_ocio.joint.statistics import CUES
-from facecrf_ocio.training.networks import fuse, inputs_of, left_in
+from facecrf_ocio.training.cue_networks import fuse, inputs_of, left_in
 from facecrf_ocio.training.portraits import Versions
 from facecrf_ocio.training.posterior import SMALLEST, PosteriorLoss
 from facecrf_ocio.values import Float

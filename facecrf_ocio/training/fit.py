@@ -22,7 +22,7 @@ from facecrf_ocio.joint.prior import FAMILIES, FamilyPrior
 from facecrf_ocio.joint.statistics import CUES
 from facecrf_ocio.response.mixture import fit_mixture
 from facecrf_ocio.training.agreement import Agreement
-from facecrf_ocio.training.networks import (
+from facecrf_ocio.training.cue_networks import (
     COEFFICIENTS,
     arrays_of,
     fuse,
