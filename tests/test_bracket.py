@@ -105,8 +105,65 @@ def test_times_that_are_off_leave_the_slope_open_the_more_the_shorter_the_bracke
         solved = solve_bracket(points(stops + departs, truth), stops)
         assert solved.in_stops is not None
         told.append(solved.in_stops)
-    assert told[0].mid < 0.035
+    assert told[0].mid < 0.04
     assert told[0].shadows < told[1].shadows < 0.7 * told[2].shadows
+
+
+def toned(stops, contrasts, curve, seed=0):
+    """Points of photos each of which has an exponent of its own, as phones tone them."""
+    generator = np.random.default_rng(seed)
+    light = np.exp2(generator.uniform(-9.0, 1.0, (600, 1))) * np.array([1.0, 0.9, 0.8])
+    shots = []
+    for stop, contrast in zip(stops, contrasts, strict=True):
+        seen = 0.2 * (np.clip(light * 2.0**stop, 0, 1) / 0.2) ** contrast
+        shots.append(encode(np.clip(seen, 0, 1), curve) * 255.0)
+    return [np.rint(s + generator.normal(0, 0.5, s.shape)).clip(0, 255) for s in shots]
+
+
+def test_photos_that_are_toned_one_by_one_raise_what_is_expected():
+    """Halves of the points share what is wrong with a photo, so they tell little of it."""
+    truth, stops = gamma_curve(2.2), np.arange(-4.0, 2.0)
+    steady = solve_bracket(toned(stops, np.ones(6), truth), stops)
+    uneven = solve_bracket(toned(stops, (0.9, 1.1, 0.85, 1.15, 0.9, 1.1), truth), stops)
+    assert steady.in_stops is not None
+    assert uneven.in_stops is not None
+    assert steady.in_stops.mid < 0.04
+    assert uneven.in_stops.mid > 2.0 * steady.in_stops.mid
+    assert uneven.in_stops.shadows > 2.0 * steady.in_stops.shadows
+
+
+@pytest.mark.parametrize("off", [-2.0, -0.5, 1.0])
+@pytest.mark.parametrize("photo", [0, 2, 5])
+def test_the_photo_whose_time_is_false_is_found(photo, off):
+    truth, told = gamma_curve(2.2), np.arange(-4.0, 2.0)
+    real = told + off * (np.arange(6) == photo)
+    false = solve_bracket(points(real, truth), told).false
+    assert false is not None
+    assert false[0] == photo
+    assert abs(false[1] - off) < 0.1
+
+
+def test_no_photo_is_named_where_times_are_true_or_where_three_tell_of_none():
+    truth, told = gamma_curve(2.2), np.arange(-4.0, 2.0)
+    uneven = told + np.array([0.1, -0.1, 0.1, -0.1, 0.1, -0.1])
+    for real in (told, uneven):
+        assert solve_bracket(points(real, truth), told).false is None
+    assert solve_bracket(points((-4.0, -2.0, 1.0), truth), (-4.0, -2.0, 0.0)).false is None
+
+
+def test_the_command_names_the_photo_whose_time_is_false(capfd, tmp_path):
+    ramp = np.geomspace(0.002, 1.0, 640, dtype=np.float32)
+    linear = np.tile(ramp[None, :, None], (400, 1, 3))
+    photos = [
+        write_picture(
+            tmp_path / f"{n}.jpg", linear * 2.0 ** (n - 4), **exposed(n, n + 2.0 * (n == 3) - 4)
+        )
+        for n in range(6)
+    ]
+    ended = CommandLine(capfd)("bracket", *photos, "-o", tmp_path / "out")
+    said = ended.out + ended.err
+    assert "3.jpg was exposed 2.0 stops less than is told of it" in said
+    assert said.count("was exposed") == 1
 
 
 @pytest.mark.slow

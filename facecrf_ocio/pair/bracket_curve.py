@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from facecrf_ocio.pair.exposure_fit import CODES, ExposureFit, fit_exposures
 from facecrf_ocio.pair.extrapolate import continued
+from facecrf_ocio.pair.left_out import false_exposure, fits_without
 from facecrf_ocio.response.expected_stops import expected_of_deviation
 from facecrf_ocio.response.model import dorf_model, inverse_crf
 from facecrf_ocio.response.stops import MID_GRAY
@@ -35,12 +36,14 @@ MAX_RESIDUAL = 0.15
 MIN_KEPT = 0.6  # share of the points that Tukey's biweight keeps: at less, most of the scene moved
 _BEYOND = 0.02  # [stop] deviation of the curves that passed, beyond what halves and smoothness tell
 _GUESSED = 0.3  # of the stops from the brightest point to white, which known responses bridge
-# [stop] Standard deviation of two channels' light above this code, up to which they are alike: of
-# one curve 0.007 at most, of responses whose channels differ 0.02 to 0.4.
-_ALIKE, _ALIKE_FROM = 0.05, 0.25
 # Of all stops: how far the camera's times may be stretched as a whole, besides what is told by how
 # they depart from the pixels.
 _STRETCH = 0.015
+# [stop] What steady cameras leave. By what is left beyond it each photo's own curve differs.
+_USUAL_RESIDUAL = 0.06
+# [stop] Standard deviation of two channels' light above this code, up to which they are alike: of
+# one curve 0.007 at most, of responses whose channels differ 0.02 to 0.4.
+_ALIKE, _ALIKE_FROM = 0.05, 0.25
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,6 +73,8 @@ class BracketCurve:
         Why the curve is not to be used, empty if it is.
     refined
         (J,) the exposures in stops, as the pixels have them.
+    false
+        Index of the photo whose exposure is not what was told, and [stop] by how much, if one is.
     """
 
     found: InverseCRF | None
@@ -82,6 +87,7 @@ class BracketCurve:
     covered: float
     problem: str
     refined: Float
+    false: tuple[int, float] | None = None
 
 
 def solve_bracket(
@@ -119,30 +125,45 @@ def solve_bracket(
     )
     rough, smooth = (_curve(fit_exposures(codes, clear, given, s, whole), seen) for s in (0.5, 2.0))
     halves, bend = _rmse(one, other), _rmse(rough, smooth)
-    apart = np.array([_log_difference(one, other) / 2.0, _log_difference(rough, smooth)])
-    sigma, in_stops = _deviations(found, apart, seen, float(np.hypot(_STRETCH, whole.stretch)))
-    problem = _problem(span, halves, bend, whole, covered)
+    without = fits_without(codes, clear, given, whole)
+    apart = np.stack(
+        [
+            _log_difference(one, other) / 2.0,
+            _log_difference(rough, smooth),
+            *_jackknife([_log_difference(_curve(fit, seen), found) for _, fit in without]),
+        ]
+    )
+    sigma, in_stops = _deviations(found, apart, seen, whole.stretch, whole.residual)
     return BracketCurve(
-        found, sigma, in_stops, span, halves, bend, whole.residual, covered, problem, whole.stops
+        *(found, sigma, in_stops, span, halves, bend, whole.residual, covered),
+        problem=_problem(span, halves, bend, whole, covered),
+        refined=whole.stops,
+        false=false_exposure(codes, clear, given, without),
     )
 
 
+def _jackknife(apart: list[Float]) -> list[Float]:
+    """Deviations by curves without some photos, from their differences to that of all."""
+    if len(apart) < 2:
+        return []
+    scale = np.sqrt(1.0 - 1.0 / len(apart))
+    return list(scale * (np.array(apart) - np.mean(apart, axis=0)))
+
+
 def _deviations(
-    found: InverseCRF, apart: Float, seen: list[tuple[float, float]], stretch: float
+    found: InverseCRF,
+    apart: Float,
+    seen: list[tuple[float, float]],
+    stretch: float,
+    residual: float,
 ) -> tuple[Float, InStops]:
     """Of light with white at 1, and in stops with the factor out at mid-gray.
 
-    Parameters
-    ----------
-    found
-        The curve.
-    apart
-        (2, 3, K) differences in stops, of halves of the points and by smoothness.
-    seen
-        [code value] between which each channel's points lie.
-    stretch
-        Deviation of the factor of all exposures.
+    `apart` (D, 3, K) are differences in stops, each a deviation of its own, `seen` the code values
+    between which each channel's points lie, `stretch` the deviation of the factor of all exposures.
     """
+    stretch = float(np.hypot(_STRETCH, stretch))
+    toned = max(residual**2 - _USUAL_RESIDUAL**2, 0.0)
     depth = np.log2(np.maximum(found.linear, 2.0**-12))
     unseen = np.array(
         [[-np.interp(s[1] / 255.0, found.encoded, d)] for s, d in zip(seen, depth, strict=True)]
@@ -150,6 +171,7 @@ def _deviations(
     white = (
         (apart**2).sum(axis=0)
         + _BEYOND**2
+        + toned
         + (stretch * depth) ** 2
         + (_GUESSED * np.minimum(unseen, -depth)) ** 2
     )
@@ -161,7 +183,7 @@ def _deviations(
     )
     shifts = [rows - rows[:, [MID_GRAY]] for rows in (stretch * depth, *differences)]
     guessed = _GUESSED * np.maximum(depth + unseen, 0.0)
-    shape = 2.0 * _BEYOND**2 + np.sum(np.square(shifts), axis=0) + guessed**2
+    shape = 2.0 * _BEYOND**2 + toned + np.sum(np.square(shifts), axis=0) + guessed**2
     return sigma, expected_of_deviation(np.sqrt(shape))
 
 

@@ -74,8 +74,9 @@ def calibrate_bracket(
     bracket = small_bracket(photos, stops)
     codes, usable = flat_patches(bracket, center_only=center_only)
     solved = solve_bracket(codes, stops, usable)
+    doubts = _doubts(solved, bracket)
     if solved.problem or solved.found is None or solved.in_stops is None:
-        return BracketEstimate(_not_calibrated(solved), solved, bracket)
+        return BracketEstimate(_not_calibrated(solved, doubts), solved, bracket)
     reliable = solved.residual <= _RELIABLE_RESIDUAL
     verdict = verdict_of(solved.in_stops) if reliable else Verdict.WEAK
     estimate = Estimate(
@@ -90,6 +91,7 @@ def calibrate_bracket(
             verdict,
             bracket_reasons(solved),
             solved.in_stops,
+            doubts=doubts,
         ),
         assumptions=(
             RELATIVE_TO_WHITE,
@@ -104,11 +106,23 @@ def apertures_differ(shots: Sequence[Shot]) -> bool:
     return bool(np.ptp([shot.aperture for shot in shots]) > _SAME_APERTURE)
 
 
-def _not_calibrated(solved: BracketCurve) -> Estimate:
+def _doubts(solved: BracketCurve, bracket: SmallBracket) -> tuple[str, ...]:
+    """Whose exposure is not what was told."""
+    if solved.false is None:
+        return ()
+    photo, stops = solved.false
+    name, more = bracket.paths[photo].name, "more" if stops > 0.0 else "less"
+    return (
+        f"{name} was exposed {abs(stops):.1f} stops {more} than is told of it, by what the other "
+        "photos show: leave it out, or give the exposures (--stops)",
+    )
+
+
+def _not_calibrated(solved: BracketCurve, doubts: tuple[str, ...]) -> Estimate:
     return Estimate(
         Outcome.NOT_CALIBRATED,
         "bracket",
-        f"the photos give no curve: {solved.problem}",
+        "; ".join([f"the photos give no curve: {solved.problem}", *doubts]),
         "shoot from a tripod with all settings fixed but the time, one stop apart, from nearly "
         "black to nearly white",
     )

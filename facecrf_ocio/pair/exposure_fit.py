@@ -4,10 +4,8 @@ The objective is that of Debevec and Malik (SIGGRAPH 1997, eq. 3), with what rea
 besides: the response is a spline, residuals count in units of what noise of one code does there
 and by Tukey's biweight, and the exposures may depart from the camera's grid.
 
-Where all steps are of two stops, light that is wrong in waves of two stops agrees with every pair
-of photos, so that smoothness decides. What is smooth is told by how known responses bend, and how
-their bends go together: a straight line in log light, which the paper asks for, is far from any of
-them near black, and bends that are likely one by one add up to waves that no response has.
+What is smooth is told by how known responses bend, and how their bends go together: a straight line
+in log light, which the paper asks for, is far from any of them near black (docs/evidence).
 """
 
 from __future__ import annotations

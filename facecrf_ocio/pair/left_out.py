@@ -1,0 +1,94 @@
+"""Fits of a bracket without some of its photos: what each does to the curve, and whose time is off.
+
+What is wrong with a photo is in all of its points, so halves of the points tell nothing of it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from facecrf_ocio.pair.exposure_fit import CODES, ExposureFit, fit_exposures
+from facecrf_ocio.values import CHANNELS, Bool, Float, Index
+
+_MOST = 8  # fits of one bracket; of more photos, neighbors in exposure are left out together
+_FEWEST = 100  # points of a fit, as `solve_bracket` asks
+_FEWEST_SHARED = 30  # points by which a photo's exposure is told
+_FEWEST_PHOTOS = 4  # of three, a false one leaves two that agree with anything
+_FALSE = 0.45  # [stop] departure that is called false (docs/evidence)
+_CLEARLY = 3.0  # times what the others depart by once it is gone
+_LEAST = 0.03  # [stop] departure that shutters and fits have anyway
+# Beside a false photo others depart too: so many are tried, one is so many times clearer.
+_SUSPECTS, _ALONE = 3, 1.5
+_SCATTER = 0.2  # [stop] median distance of points from it: glare and what moved agree on nothing
+
+
+LeftOut = tuple[Index, ExposureFit]  # indices of some photos, and the fit without them
+
+
+def fits_without(
+    codes: Float, clear: Bool, given: Float, whole: ExposureFit
+) -> tuple[LeftOut, ...]:
+    """Fit without each photo, or group of neighbors in exposure; `whole` is the fit of all."""
+    groups = np.array_split(np.argsort(given, kind="stable"), min(_MOST, len(given)))
+    found = []
+    for group in groups:
+        rest = clear.copy()
+        rest[group] = False
+        rest &= rest.sum(axis=0) >= 2
+        told = rest.any(axis=0)
+        if told.sum() >= _FEWEST:
+            fit = fit_exposures(codes[:, told], rest[:, told], given, 1.0, whole)
+            found.append((group, fit))
+    return tuple(found)
+
+
+def false_exposure(
+    codes: Float, clear: Bool, given: Float, without: tuple[LeftOut, ...]
+) -> tuple[int, float] | None:
+    """Index of the photo whose exposure is another than told, and [stop] by how much, if one is."""
+    told = np.flatnonzero(clear.sum(axis=1) >= _FEWEST_SHARED)
+    if len(told) < _FEWEST_PHOTOS:
+        return None
+    apart = np.abs(_departures(codes, clear, given, without))
+    suspects = [int(s) for s in np.argsort(-apart)[:_SUSPECTS] if apart[s] >= _FALSE]
+    tried = sorted((_tried(codes, clear, given, s) for s in suspects), reverse=True)
+    clearness = [*(one[0] for one in tried), 0.0, 0.0]
+    if clearness[0] < max(_CLEARLY, _ALONE * clearness[1]):
+        return None
+    return tried[0][1:]
+
+
+def _tried(codes: Float, clear: Bool, given: Float, photo: int) -> tuple[float, int, float]:
+    """Departure of a photo over that of the others without it, its index, and its departure."""
+    others = clear.copy()
+    others[photo] = False
+    others &= others.sum(axis=0) >= 2
+    points = others.any(axis=0)
+    if points.sum() < _FEWEST:
+        return 0.0, photo, 0.0
+    left, kept = codes[:, points], others[:, points]
+    whole = fit_exposures(left, kept, given)
+    rest = np.abs(_departures(left, kept, given, fits_without(left, kept, given, whole))).max()
+    stops = float(_departures(codes, clear, given, ((np.array([photo]), whole),))[photo])
+    return abs(stops) / max(rest, _LEAST) * (abs(stops) >= _FALSE), photo, stops
+
+
+def _departures(codes: Float, clear: Bool, given: Float, without: tuple[LeftOut, ...]) -> Float:
+    """[stop] (J,) real less told exposure of each photo by the fit that did not see it, or 0."""
+    departures = np.zeros(len(given))
+    places = np.clip(np.rint(codes), 0, CODES - 1).astype(np.intp)
+    for group, fit in without:
+        light = np.stack([fit.light[c][places[..., c]] for c in range(len(CHANNELS))], axis=-1)
+        seen = clear.copy()
+        seen[group] = False
+        count = seen.sum(axis=0)
+        real = np.where(seen[..., None], light - fit.stops[:, None, None], 0.0).sum(axis=0)
+        real /= np.maximum(count, 1)[:, None]
+        for photo in group:
+            shared = clear[photo] & (count > 0)
+            if shared.sum() < _FEWEST_SHARED:
+                continue
+            apart = (light[photo] - real)[shared] - given[photo]
+            if np.median(np.abs(apart - np.median(apart))) <= _SCATTER:
+                departures[photo] = np.median(apart)
+    return departures
