@@ -13,7 +13,15 @@ from typing import Any
 
 import click
 
+from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.joint.prior import FAMILIES
+from facecrf_ocio.training.command_line import (
+    COUNT,
+    IN_FILE,
+    IN_FOLDER,
+    OutFile,
+    TrainingGroup,
+)
 from facecrf_ocio.training.parts import read_parts
 from facecrf_ocio.training.plan import (
     BAND_PHOTOS,
@@ -39,23 +47,25 @@ from facecrf_ocio.training.simulate_parts import simulate_parts
 from facecrf_ocio.training.weights import pack, with_band
 
 _FOLDER = click.Path(path_type=Path, file_okay=False)
-_FILE = click.Path(path_type=Path, dir_okay=False)
+_OUT_FILE = OutFile()
 _DATA = click.option(
-    "--data", required=True, type=_FOLDER, help="Folder with crf/, faces/rendered/ and scenes/."
+    "--data", required=True, type=IN_FOLDER, help="Folder with crf/, faces/rendered/ and scenes/."
 )
 
 
 def _numbers(command: Callable[..., None]) -> Callable[..., None]:
     for option in (
-        click.option("--parts", default=PARTS, show_default=True, help="Of 72 photos each."),
+        click.option(
+            "--parts", default=PARTS, type=COUNT, show_default=True, help="Of 72 photos each."
+        ),
         click.option("--seed", default=SEED, show_default=True),
-        click.option("--processes", default=2, show_default=True),
+        click.option("--processes", default=2, type=COUNT, show_default=True),
     ):
         command = option(command)
     return command
 
 
-@click.group()
+@click.group(cls=TrainingGroup)
 def main() -> None:
     """Make the weights of the joint estimator."""
 
@@ -70,10 +80,10 @@ def simulate_command(data: Path, parts: int, seed: int, processes: int, output: 
 
 
 @main.command("portraits")
-@click.argument("folder", type=_FOLDER)
+@click.argument("folder", type=IN_FOLDER)
 @click.option("--seed", default=PORTRAITS_SEED, show_default=True)
-@click.option("--processes", default=2, show_default=True)
-@click.option("-o", "--output", required=True, type=_FILE)
+@click.option("--processes", default=2, type=COUNT, show_default=True)
+@click.option("-o", "--output", required=True, type=_OUT_FILE, help="One that is there is kept.")
 def portraits_command(folder: Path, seed: int, processes: int, output: Path) -> None:
     """Send the portraits below FOLDER through known curves and count what their versions show."""
     click.echo(f"{len(_versions(folder, seed, processes, output))} portraits")
@@ -81,17 +91,17 @@ def portraits_command(folder: Path, seed: int, processes: int, output: Path) -> 
 
 @main.command("fit")
 @_DATA
-@click.argument("folder", type=_FOLDER)
+@click.argument("folder", type=IN_FOLDER)
 @click.option(
     "--without",
     type=click.Choice(held_out_names()),
     help="Responses to hold out: a fold of DoRF, or of makers in one of the other files.",
 )
-@click.option("--portraits", type=_FILE, help="Of `portraits`: their versions shall agree.")
-@click.option("--parts", default=PARTS, show_default=True)
-@click.option("--epochs", default=EPOCHS, show_default=True)
-@click.option("--members", default=MEMBERS, show_default=True)
-@click.option("-o", "--output", required=True, type=_FILE)
+@click.option("--portraits", type=IN_FILE, help="Of `portraits`: their versions shall agree.")
+@click.option("--parts", default=PARTS, type=COUNT, show_default=True)
+@click.option("--epochs", default=EPOCHS, type=COUNT, show_default=True)
+@click.option("--members", default=MEMBERS, type=COUNT, show_default=True)
+@click.option("-o", "--output", required=True, type=_OUT_FILE)
 def fit_command(
     folder: Path, data: Path, without: str | None, portraits: Path | None, **choices: Any
 ) -> None:
@@ -110,9 +120,9 @@ def fit_command(
 
 
 @main.command("charts")
-@click.argument("folder", type=_FOLDER)
+@click.argument("folder", type=IN_FOLDER)
 @click.option("--without", multiple=True, metavar="MAKER/MODEL", help="Folders to pass over.")
-@click.option("-o", "--output", required=True, type=_FILE)
+@click.option("-o", "--output", required=True, type=_OUT_FILE)
 def charts_command(folder: Path, without: tuple[str, ...], output: Path) -> None:
     """Measure cameras by photos of a color chart, in FOLDER/MAKER/MODEL."""
     from facecrf_ocio.training.measure_charts import measure_charts, store_charts  # noqa: PLC0415
@@ -121,15 +131,17 @@ def charts_command(folder: Path, without: tuple[str, ...], output: Path) -> None
     for one in measure_charts(folder, without):
         click.echo(f"{one.maker} {one.model}: {one.photos} photos, {one.kind}")
         found.append(one)
+    if not found:
+        raise SettingsError(f"{folder}: no photo in a MAKER/MODEL gives a reliable curve")
     store_charts(found, output)
 
 
 @main.command("band")
 @_DATA
-@click.argument("held_out", type=_FILE)
-@click.option("--photos", default=BAND_PHOTOS, show_default=True)
+@click.argument("held_out", type=IN_FILE)
+@click.option("--photos", default=BAND_PHOTOS, type=COUNT, show_default=True)
 @click.option("--seed", default=BAND_SEED, show_default=True)
-@click.option("--write", multiple=True, type=_FILE, help="Weights to set the factors in.")
+@click.option("--write", multiple=True, type=IN_FILE, help="Weights to set the factors in.")
 def band_command(
     data: Path, held_out: Path, photos: int, seed: int, write: tuple[Path, ...]
 ) -> None:
@@ -157,14 +169,20 @@ def _measure_and_set(
 @main.command("reproduce")
 @_DATA
 @_numbers
-@click.option("--portraits", type=_FOLDER, help="Photos of faces whose versions shall agree.")
+@click.option("--portraits", type=IN_FOLDER, help="Photos of faces whose versions shall agree.")
 @click.option("--work", type=_FOLDER, default=Path("training"), show_default=True)
-@click.option("-o", "--output", required=True, type=_FILE, help="The weights that ship.")
-@click.option("--held-out", type=_FILE, help="The bench's weights, all in one file.")
-@click.option("--epochs", default=EPOCHS, show_default=True)
-@click.option("--members", default=MEMBERS, show_default=True, help="Of the weights that ship.")
+@click.option("-o", "--output", required=True, type=_OUT_FILE, help="The weights that ship.")
+@click.option("--held-out", type=_OUT_FILE, help="The bench's weights, all in one file.")
+@click.option("--epochs", default=EPOCHS, type=COUNT, show_default=True)
 @click.option(
-    "--band-photos", default=BAND_PHOTOS, show_default=True, help="To measure the band with."
+    "--members", default=MEMBERS, type=COUNT, show_default=True, help="Of the weights that ship."
+)
+@click.option(
+    "--band-photos",
+    default=BAND_PHOTOS,
+    type=COUNT,
+    show_default=True,
+    help="To measure the band with.",
 )
 def reproduce_command(
     data: Path,

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.joint.noise_counts import NoiseCounts
 from facecrf_ocio.joint.statistics import CUES, FACE_CUES, counted_statistics
 from facecrf_ocio.training.simulate import Example
@@ -109,7 +110,14 @@ def read_parts(paths: Sequence[Path], kinds: Sequence[str]) -> Examples:
         As `write_part` wrote them.
     kinds
         Of camera, of each modern response.
+
+    Raises
+    ------
+    SettingsError
+        If there are none.
     """
+    if not paths:
+        raise SettingsError("there are no parts of photos to learn from; make them by `simulate`")
     parts = [_read_part(path, np.isin(kinds, PHONES)) for path in paths]
     first = parts[0]
     return Examples(

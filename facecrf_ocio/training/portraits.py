@@ -13,12 +13,13 @@ from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.errors import FaceCRFError
+from facecrf_ocio.errors import FaceCRFError, SettingsError
 from facecrf_ocio.joint.evidence import observe
 from facecrf_ocio.joint.statistics import CUES
 from facecrf_ocio.photo.read import read_photo
@@ -65,11 +66,21 @@ def observe_portraits(folder: Path, seed: int, processes: int) -> Versions:
         Of the curves; those of a portrait depend on it and the portrait's place alone.
     processes
         That share the work.
+
+    Raises
+    ------
+    SettingsError
+        If there are no photos, or none shows a face in all of its versions.
     """
     paths = sorted(p for p in folder.rglob("*") if p.suffix.lower() in _SUFFIXES)
+    if not paths:
+        raise SettingsError(f"{folder}: holds no JPEG or PNG; give a folder of portraits")
     look = partial(_observed, seed)
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
         found = [one for one in pool.map(look, enumerate(paths), chunksize=4) if one is not None]
+    if not found:
+        shown = f"none of its {len(paths)} photos shows a face in all versions"
+        raise SettingsError(f"{folder}: {shown}; give photos of faces")
     return _together(found)
 
 
@@ -81,9 +92,18 @@ def write_versions(path: Path, versions: Versions) -> None:
 
 
 def read_versions(path: Path) -> Versions:
-    """Read what `write_versions` wrote."""
-    with np.load(path, allow_pickle=False) as stored:
-        return Versions(stored["curves"], {cue: stored[cue] for cue in CUES})
+    """Read what `write_versions` wrote.
+
+    Raises
+    ------
+    SettingsError
+        If it did not write the file.
+    """
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
+            return Versions(stored["curves"], {cue: stored[cue] for cue in CUES})
+    except (ValueError, KeyError, EOFError, BadZipFile) as error:
+        raise SettingsError(f"{path}: holds no versions of portraits; make it anew") from error
 
 
 def known_curve(generator: np.random.Generator) -> Float:
