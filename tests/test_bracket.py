@@ -151,6 +151,13 @@ def test_no_photo_is_named_where_times_are_true_or_where_three_tell_of_none():
     assert solve_bracket(points((-4.0, -2.0, 1.0), truth), (-4.0, -2.0, 0.0)).false is None
 
 
+@pytest.mark.parametrize("told", [(1.0, 0.0, -1.0, -2.0), (-2.0, 0.0, -1.0, 1.0)])
+def test_exposures_out_of_order_or_with_exchanged_signs_give_no_curve(told):
+    """By exchanged signs all points agree, with a curve that was called reliable."""
+    shots = points((-2.0, -1.0, 0.0, 1.0), gamma_curve(2.2))
+    assert "check the order and the signs" in solve_bracket(shots, told).problem
+
+
 def test_the_command_names_the_photo_whose_time_is_false(capfd, tmp_path):
     ramp = np.geomspace(0.002, 1.0, 640, dtype=np.float32)
     linear = np.tile(ramp[None, :, None], (400, 1, 3))
@@ -164,6 +171,7 @@ def test_the_command_names_the_photo_whose_time_is_false(capfd, tmp_path):
     said = ended.out + ended.err
     assert "3.jpg was exposed 2.0 stops less than is told of it" in said
     assert said.count("was exposed") == 1
+    assert "--fallback" not in said  # which the command does not have
 
 
 @pytest.mark.slow

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from facecrf_ocio.pair.exposure_fit import CODES, ExposureFit, fit_exposures
 from facecrf_ocio.pair.extrapolate import continued
 from facecrf_ocio.pair.left_out import false_exposure, fits_without
+from facecrf_ocio.pair.told_order import out_of_order
 from facecrf_ocio.response.expected_stops import expected_of_deviation
 from facecrf_ocio.response.model import dorf_model, inverse_crf
 from facecrf_ocio.response.stops import MID_GRAY
@@ -136,7 +137,7 @@ def solve_bracket(
     sigma, in_stops = _deviations(found, apart, seen, whole.stretch, whole.residual)
     return BracketCurve(
         *(found, sigma, in_stops, span, halves, bend, whole.residual, covered),
-        problem=_problem(span, halves, bend, whole, covered),
+        problem=out_of_order(codes, clear, given) or _problem(span, halves, bend, whole, covered),
         refined=whole.stops,
         false=false_exposure(codes, clear, given, without),
     )

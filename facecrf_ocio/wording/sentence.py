@@ -112,8 +112,8 @@ def details(estimate: Estimate) -> tuple[str, ...]:
 
 def remedy(estimate: Estimate, surface: Surface = ANYWHERE) -> str:
     """Return what the user can do where a photo says nothing, in the words of a surface."""
-    if estimate.outcome is not Outcome.NOT_CALIBRATED:
-        return estimate.remedy
+    if estimate.outcome is not Outcome.NOT_CALIBRATED or estimate.estimator in _MEASURED_ANEW:
+        return estimate.remedy  # what measures has no fallback
     return ", or ".join(filter(None, (estimate.remedy, surface.fallback)))
 
 
