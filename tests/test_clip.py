@@ -358,3 +358,10 @@ def test_a_video_that_cannot_be_opened_is_told_as_that(tmp_path):
     pytest.importorskip("av", reason="needs the extra video")
     with pytest.raises(PhotoError, match=r"is no video that can be read .*No such file"):
         open_video(tmp_path / "gone.mp4")
+
+
+def test_a_compression_without_exrs_is_wrong_usage(capfd, tmp_path):
+    pattern = sequence(tmp_path / "clip", 2)
+    ended = CommandLine(capfd)("clip", pattern, "-o", tmp_path / "luts", "--compression", "piz")
+    assert (ended.code, "pass --exr, too" in ended.err) == (2, True)
+    assert not (tmp_path / "luts").exists()

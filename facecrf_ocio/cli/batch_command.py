@@ -20,6 +20,7 @@ from facecrf_ocio.cli.options import (
     direction_options,
     estimation_options,
     exposure_option,
+    require_exrs,
 )
 from facecrf_ocio.cli.output_files import formats_option
 from facecrf_ocio.cli.terminal import (
@@ -35,7 +36,6 @@ from facecrf_ocio.cli.terminal import (
 )
 from facecrf_ocio.errors import LutError, in_options
 from facecrf_ocio.files.threads import usable_cores
-from facecrf_ocio.image.compression import COMPRESSION
 
 if TYPE_CHECKING:
     from facecrf_ocio.archive.job import Event, Job
@@ -175,8 +175,7 @@ def _job(source: Path, output: Path, jobs: int | None, options: dict[str, Any]) 
         raise click.UsageError("--pool camera takes the estimator auto or joint")
     if merge and not pool:
         raise click.UsageError("--merge merges what --pool camera finds; pass both")
-    if compression != COMPRESSION and not (exr or merge):
-        raise click.UsageError("--compression is of EXRs; pass --exr, too")
+    require_exrs(compression, asked=exr or merge)
     recipe = Recipe(
         *(choices.estimator, choices.fallback, choices.prior, choices.min_confidence),
         *(choices.settings, formats, exr, pool),

@@ -15,6 +15,7 @@ from facecrf_ocio.cli.options import (
     compression_option,
     direction_options,
     estimation_options,
+    require_exrs,
 )
 from facecrf_ocio.cli.output_files import formats_option
 from facecrf_ocio.cli.terminal import (
@@ -70,6 +71,7 @@ def clip(
     from facecrf_ocio.record.demand import Demand, demand
     from facecrf_ocio.record.outputs import write_outputs
 
+    require_exrs(compression, asked=exr)
     chosen = Choices(**choices)
     try:
         formats = endings(formats, direction, space or "")

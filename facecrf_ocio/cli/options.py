@@ -180,6 +180,12 @@ def compression_option(command: Callable[..., Any]) -> Callable[..., Any]:
     )(command)
 
 
+def require_exrs(compression: str, *, asked: bool) -> None:
+    """Raise UsageError where a compression is named but no EXR asked for."""
+    if compression != COMPRESSION and not asked:
+        raise click.UsageError("--compression is of EXRs; pass --exr, too")
+
+
 def exposure_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add the option that scales the light of an EXR to be written."""
     return click.option(
