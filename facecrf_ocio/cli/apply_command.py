@@ -9,7 +9,8 @@ import click
 from facecrf_ocio.cli.linearize_command import require_exr_free, with_remedy
 from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import PHOTO_PATH, TEXT_PATH, exr_options
-from facecrf_ocio.cli.terminal import DONE, ending_well, one_line, say, tell_notes
+from facecrf_ocio.cli.terminal import DONE, ending_well, one_line, say
+from facecrf_ocio.cli.told_estimates import tell_notes
 
 
 @click.command()

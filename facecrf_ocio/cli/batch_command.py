@@ -32,8 +32,8 @@ from facecrf_ocio.cli.terminal import (
     ending_well,
     interrupted,
     say,
-    tell_json,
 )
+from facecrf_ocio.cli.told_estimates import tell_json
 from facecrf_ocio.errors import LutError, in_options
 from facecrf_ocio.files.threads import usable_cores
 

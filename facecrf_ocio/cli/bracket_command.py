@@ -10,7 +10,8 @@ import click
 from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import PHOTO_PATH
 from facecrf_ocio.cli.output_files import OutputFiles, folder_option, measurement_options
-from facecrf_ocio.cli.terminal import USAGE, complain, ending_well, require_writable, tell
+from facecrf_ocio.cli.terminal import USAGE, complain, ending_well, require_writable
+from facecrf_ocio.cli.told_estimates import tell
 from facecrf_ocio.errors import LutError, SettingsError
 from facecrf_ocio.files.plain_text import counted
 

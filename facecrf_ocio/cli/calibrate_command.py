@@ -24,11 +24,8 @@ from facecrf_ocio.cli.terminal import (
     problem_of,
     require_writable,
     say,
-    tell,
-    tell_details,
-    tell_estimate,
-    tell_json,
 )
+from facecrf_ocio.cli.told_estimates import tell, tell_details, tell_estimate, tell_json
 from facecrf_ocio.errors import FaceCRFError, LutError, OutputError
 from facecrf_ocio.files.plain_text import counted
 from facecrf_ocio.record.output_names import PLOT

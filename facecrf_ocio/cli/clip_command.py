@@ -25,8 +25,8 @@ from facecrf_ocio.cli.terminal import (
     ending_well,
     require_writable,
     say,
-    tell,
 )
+from facecrf_ocio.cli.told_estimates import tell
 from facecrf_ocio.errors import LutError
 from facecrf_ocio.files.plain_text import counted
 

@@ -8,7 +8,8 @@ import click
 
 from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import TEXT_PATH
-from facecrf_ocio.cli.terminal import ending_well, hush_matplotlib, require_writable, tell
+from facecrf_ocio.cli.terminal import ending_well, hush_matplotlib, require_writable
+from facecrf_ocio.cli.told_estimates import tell
 
 
 @click.command()

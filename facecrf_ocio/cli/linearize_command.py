@@ -29,9 +29,8 @@ from facecrf_ocio.cli.terminal import (
     problem_of,
     require_writable,
     say,
-    tell,
-    tell_notes,
 )
+from facecrf_ocio.cli.told_estimates import tell, tell_notes
 from facecrf_ocio.errors import OutputError, SettingsError
 from facecrf_ocio.record.output_names import EXR, names_exr, output_path, require_exr_name
 

@@ -12,13 +12,8 @@ from facecrf_ocio.cli.bracket_command import solve, stops_option
 from facecrf_ocio.cli.linearize_command import require_exr_free, with_remedy
 from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import PHOTO_PATH, exr_options
-from facecrf_ocio.cli.terminal import (
-    NOTHING,
-    complain,
-    ending_well,
-    say,
-    tell_notes,
-)
+from facecrf_ocio.cli.terminal import NOTHING, complain, ending_well, say
+from facecrf_ocio.cli.told_estimates import tell_notes
 
 if TYPE_CHECKING:
     from facecrf_ocio.pair.calibrate_bracket import BracketEstimate

@@ -8,7 +8,8 @@ from typing import Any
 import click
 
 from facecrf_ocio.cli.options import SPACE_NAMES, TEXT_PATH
-from facecrf_ocio.cli.terminal import DONE, ending_well, say, tell_notes
+from facecrf_ocio.cli.terminal import DONE, ending_well, say
+from facecrf_ocio.cli.told_estimates import tell_notes
 from facecrf_ocio.files.plain_text import counted
 
 

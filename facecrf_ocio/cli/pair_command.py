@@ -10,14 +10,8 @@ import click
 from facecrf_ocio.cli.live import Bar
 from facecrf_ocio.cli.options import PHOTO_PATH
 from facecrf_ocio.cli.output_files import OutputFiles, folder_option, measurement_options
-from facecrf_ocio.cli.terminal import (
-    USAGE,
-    complain,
-    ending_well,
-    one_line,
-    require_writable,
-    tell,
-)
+from facecrf_ocio.cli.terminal import USAGE, complain, ending_well, one_line, require_writable
+from facecrf_ocio.cli.told_estimates import tell
 from facecrf_ocio.errors import LutError
 
 _STEPS = 4  # that the bar counts: two photos read, the fit, the outputs

@@ -10,7 +10,8 @@ import click
 from facecrf_ocio.cli.choices import Choices
 from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import PHOTO_PATH, TEXT_PATH, estimation_options
-from facecrf_ocio.cli.terminal import ending_well, tell
+from facecrf_ocio.cli.terminal import ending_well
+from facecrf_ocio.cli.told_estimates import tell
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.record.output_names import EXR, PAGE, output_path
 
