@@ -31,7 +31,7 @@ def test_portraits_without_photos_faces_or_a_folder_leave_no_file(tmp_path, empt
     assert "does not exist" in told("portraits", tmp_path / "gone", "-o", output)
     write(empty / "gray.png", np.full((64, 64, 3), 0.5, np.float32), "uint8")
     problem = told("portraits", empty, "--processes", 1, "-o", output)
-    assert "none of its 1 photos shows a face" in problem
+    assert "none of 1 photo shows a face" in problem
     assert not output.exists()
 
 

@@ -54,18 +54,8 @@ def open_video(path: Path) -> Clip:
             motion_jpeg = stream.codec_context.name == "mjpeg"
     except (av.error.FFmpegError, OSError) as error:
         raise _unreadable(path, error) from error
-    steps = np.diff(stamps) if len(stamps) > 1 else np.ones(1)
-    notes = []
-    if float(steps.max()) > _UNEVEN * max(float(steps.min()), 1e-9):
-        notes.append("its frame rate varies: frames are chosen and named by their own times")
     there = (stamps[-1] - stamps[0]) * base + 1.0 / rate if stamps else 0.0
-    if told - there > max(_SHORT_S, _SHORT * told):
-        notes.append(
-            f"it is cut short: its header tells {told:.1f} s and {there:.1f} s are there, "
-            "which are used"
-        )
-    elif path.suffix.lower() in _STREAMS and all(path.stat().st_size % of for of in _PACKETS):
-        notes.append(f"it is cut short: it ends within a packet; {there:.1f} s are there")
+    notes = filter(None, (_uneven(stamps), _cut_short(path, told, there)))
 
     def read(indices: Sequence[int]) -> Iterator[tuple[int, Photo]]:
         frames = _frames(path, [stamps[index] for index in indices], keys)
@@ -81,6 +71,26 @@ def open_video(path: Path) -> Clip:
         tuple(notes),
         motion_jpeg,
     )
+
+
+def _uneven(stamps: Sequence[int]) -> str:
+    """What is to be told of frames that come at a rate that varies."""
+    steps = np.diff(stamps) if len(stamps) > 1 else np.ones(1)
+    if float(steps.max()) > _UNEVEN * max(float(steps.min()), 1e-9):
+        return "its frame rate varies: frames are chosen and named by their own times"
+    return ""
+
+
+def _cut_short(path: Path, told: float, there: float) -> str:
+    """What is to be told of a file whose end is lost, of `told` seconds of which some are there."""
+    if told - there > max(_SHORT_S, _SHORT * told):
+        return (
+            f"it is cut short: its header tells {told:.1f} s and {there:.1f} s are there, "
+            "which are used"
+        )
+    if path.suffix.lower() in _STREAMS and all(path.stat().st_size % of for of in _PACKETS):
+        return f"it is cut short: it ends within a packet; {there:.1f} s are there"
+    return ""
 
 
 def _unreadable(path: Path, error: Exception) -> PhotoError:

@@ -14,6 +14,7 @@ from typing import Any
 import click
 
 from facecrf_ocio.errors import SettingsError
+from facecrf_ocio.files.plain_text import counted
 from facecrf_ocio.joint.prior import FAMILIES
 from facecrf_ocio.training.command_line import (
     COUNT,
@@ -86,7 +87,7 @@ def simulate_command(data: Path, parts: int, seed: int, processes: int, output: 
 @click.option("-o", "--output", required=True, type=_OUT_FILE, help="One that is there is kept.")
 def portraits_command(folder: Path, seed: int, processes: int, output: Path) -> None:
     """Send the portraits below FOLDER through known curves and count what their versions show."""
-    click.echo(f"{len(_versions(folder, seed, processes, output))} portraits")
+    click.echo(counted(len(_versions(folder, seed, processes, output)), "portrait"))
 
 
 @main.command("fit")

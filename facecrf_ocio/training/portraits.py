@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.errors import FaceCRFError, SettingsError
+from facecrf_ocio.files.plain_text import counted
 from facecrf_ocio.joint.evidence import observe
 from facecrf_ocio.joint.statistics import CUES
 from facecrf_ocio.photo.read import read_photo
@@ -79,7 +80,7 @@ def observe_portraits(folder: Path, seed: int, processes: int) -> Versions:
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
         found = [one for one in pool.map(look, enumerate(paths), chunksize=4) if one is not None]
     if not found:
-        shown = f"none of its {len(paths)} photos shows a face in all versions"
+        shown = f"none of {counted(len(paths), 'photo')} shows a face in all versions"
         raise SettingsError(f"{folder}: {shown}; give photos of faces")
     return _together(found)
 
