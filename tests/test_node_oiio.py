@@ -327,6 +327,15 @@ class TestCommand:
         assert spec.get_string_attribute("colorInteropID") == "unknown"
         assert spec.get_string_attribute("Make") == "ACME"
 
+    @pytest.mark.parametrize("name", ["magic", "zip:0", "piz:1"])
+    def test_a_compression_that_openimageio_would_pass_over(
+        self, tmp_path: Path, lut: Path, name: str, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        source, output = write(tmp_path / "a.tif", random_codes(), oiio.UINT8), tmp_path / "b.exr"
+        assert command(source, "--lut", lut, "--compression", name, "-o", output) == 2
+        assert repr(name) in capsys.readouterr().err
+        assert not output.exists()
+
     def test_straight_alpha_is_multiplied(self, tmp_path: Path, lut: Path) -> None:
         codes = random_codes(4)
         Image.fromarray(codes).save(tmp_path / "a.png")

@@ -22,6 +22,7 @@ from facecrf_ocio.errors import (
 )
 from facecrf_ocio.files.atomic import require_free
 from facecrf_ocio.files.plain_text import one_line
+from facecrf_ocio.image.compression import COMPRESSION, require_compression
 from facecrf_ocio.image.lookup import Lookup
 from facecrf_ocio.image.lut_lookup import lut_lookup
 from facecrf_ocio.image.output import write_image_file
@@ -74,7 +75,11 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("-o", dest="output", type=Path, required=True, help=".exr or .tif")
     parser.add_argument("-d", dest="dtype", choices=("half", "float"), default="half")
-    parser.add_argument("--compression", default="zip", help="as OpenImageIO names it")
+    parser.add_argument(
+        "--compression",
+        default=COMPRESSION,
+        help=f"as OpenImageIO names it, with a level or without; by default {COMPRESSION}",
+    )
     parser.add_argument("--roi", metavar="WxH+X+Y", help="region to write; by default all")
     parser.add_argument(
         "--colorspace", default="auto", help="what to tag the result with, e.g. lin_ap1_scene"
@@ -88,6 +93,8 @@ def _convert(given: argparse.Namespace) -> None:
     if output.suffix.lower() not in _FORMATS:
         raise OutputError(f"{output}: cannot hold linear light; name it .exr or .tif")
     require_free(output, overwrite=given.overwrite)
+    if _FORMATS[output.suffix.lower()] == "openexr":
+        require_compression(given.compression)
     roi = _roi(given.roi)
     check_file(image)
     if output.exists() and output.samefile(image):
