@@ -563,6 +563,16 @@ class TestApply:
         assert header.get_string_attribute("facecrf:lut") == "b.spi1d"
         assert header.get_string_attribute("colorInteropID") == "unknown"
 
+    @pytest.mark.parametrize(("way", "told"), [("linearize", True), ("encode", False)])
+    def test_light_that_is_sent_toward_light_is_told(
+        self, facecrf: CommandLine, tmp_path: Path, way: str, *, told: bool
+    ) -> None:
+        photo = write(tmp_path / "a.exr", np.full((8, 8, 3), 0.5, np.float32), oiio.FLOAT)
+        lut, exr = write_spi1d(tmp_path / "b.spi1d"), tmp_path / "b.exr"
+        ended = facecrf("apply", photo, "--lut", lut, "--direction", way, "-o", exr)
+        assert ended.code == DONE
+        assert ("it is linear light already" in ended.out) == told
+
     @pytest.mark.parametrize("name", ["missing.cube", "a.png", "."])
     def test_bad_lut(self, facecrf: CommandLine, photo: Path, tmp_path: Path, name: str) -> None:
         ended = facecrf("apply", photo, "--lut", tmp_path / name, "-o", tmp_path / "a.exr")
