@@ -10,6 +10,7 @@ from archive_photos import ONE, exposed, table, write_face, write_picture
 from command_line import CommandLine
 
 from facecrf_ocio.archive.cameras.bracket import BracketPhoto, find_brackets, stops_of
+from facecrf_ocio.archive.cameras.camera_group import bracket_estimate, solve
 from facecrf_ocio.joint.prior import shipped_prior
 from facecrf_ocio.pair.bracket_curve import rmse_after_scale, solve_bracket
 from facecrf_ocio.pair.code_samples import COLUMNS, ROWS, read_samples, take_samples
@@ -19,7 +20,7 @@ from facecrf_ocio.record.calibration_record import read_record
 from facecrf_ocio.response.model import dorf_model, inverse_crf, strictly_increasing
 from facecrf_ocio.response.stops import stops_error, uniform
 from facecrf_ocio.synthetic import encode, gamma_curve
-from facecrf_ocio.values import InverseCRF
+from facecrf_ocio.values import InverseCRF, Verdict
 
 GRAY_RAMP = np.geomspace(0.004, 1.0, ROWS * COLUMNS).reshape(ROWS, COLUMNS)
 
@@ -178,6 +179,19 @@ def test_the_photos_of_a_bracket_get_its_curve_and_tell_how_far_it_is_from_the_e
     assert rmse_after_scale(told.curve, gamma_curve(2.2)) < 0.02
 
 
+@pytest.mark.parametrize(("off", "verdict"), [(0.0, Verdict.RELIABLE), (0.5, Verdict.WEAK)])
+def test_a_bracket_in_which_a_time_is_false_is_weak_and_names_its_photo(off, verdict):
+    stops = np.arange(-3.0, 3.0)
+    told_stops = stops + off * (stops == -1.0)
+    members = tuple(
+        replace(one, shot=replace(one.shot, exposure_s=2.0**stop / 64.0))
+        for one, stop in zip(exposures(stops), told_stops, strict=True)
+    )
+    told = bracket_estimate(members, solve(members), None).confidence
+    assert told.verdict is verdict
+    assert [doubt.split(" was exposed")[0] for doubt in told.doubts] == ["2"] * bool(off)
+
+
 def ordinary(folder, count):
     """A walk's photos: other things at other light, and each second one a step on from the last."""
     rng = np.random.default_rng(7)
@@ -192,7 +206,7 @@ def ordinary(folder, count):
         encoded = encode(np.clip(part * metered, 0, 1).astype(np.float32), curve)
         taken_at += float(rng.choice([1.5, 4.0, 20.0, 90.0]))
         time = 1.0 / float(rng.choice([60, 125, 250, 500]))
-        shot = Shot(taken_at, time, 4.0, 100.0)
+        shot = Shot(taken=taken_at, exposure_s=time, aperture=4.0, iso=100.0)
         found.append(BracketPhoto(str(number), str(number), shot, take_samples(encoded)))
     return found
 

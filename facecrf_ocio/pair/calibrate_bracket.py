@@ -74,11 +74,9 @@ def calibrate_bracket(
     bracket = small_bracket(photos, stops)
     codes, usable = flat_patches(bracket, center_only=center_only)
     solved = solve_bracket(codes, stops, usable)
-    doubts = _doubts(solved, bracket)
+    doubts = bracket_doubts(solved, [path.name for path in bracket.paths])
     if solved.problem or solved.found is None or solved.in_stops is None:
         return BracketEstimate(_not_calibrated(solved, doubts), solved, bracket)
-    reliable = solved.residual <= _RELIABLE_RESIDUAL
-    verdict = verdict_of(solved.in_stops) if reliable else Verdict.WEAK
     estimate = Estimate(
         Outcome.CALIBRATED,
         "bracket",
@@ -88,7 +86,7 @@ def calibrate_bracket(
         confidence=Confidence(
             solved.sigma,
             _coverage(codes, usable, solved),
-            verdict,
+            bracket_verdict(solved),
             bracket_reasons(solved),
             solved.in_stops,
             doubts=doubts,
@@ -106,15 +104,21 @@ def apertures_differ(shots: Sequence[Shot]) -> bool:
     return bool(np.ptp([shot.aperture for shot in shots]) > _SAME_APERTURE)
 
 
-def _doubts(solved: BracketCurve, bracket: SmallBracket) -> tuple[str, ...]:
-    """Whose exposure is not what was told."""
+def bracket_verdict(solved: BracketCurve) -> Verdict:
+    """`reliable` or `weak`, as the expected errors are; never `reliable` with a doubt."""
+    agree = solved.residual <= _RELIABLE_RESIDUAL and solved.false is None
+    return verdict_of(solved.in_stops) if agree and solved.in_stops else Verdict.WEAK
+
+
+def bracket_doubts(solved: BracketCurve, names: Sequence[str]) -> tuple[str, ...]:
+    """Whose exposure is not what was told, of photos of these names."""
     if solved.false is None:
         return ()
     photo, stops = solved.false
-    name, more = bracket.paths[photo].name, "more" if stops > 0.0 else "less"
+    more = "more" if stops > 0.0 else "less"
     return (
-        f"{name} was exposed {abs(stops):.1f} stops {more} than is told of it, by what the other "
-        "photos show: leave it out, or give the exposures (--stops)",
+        f"{names[photo]} was exposed {abs(stops):.1f} stops {more} than is told of it, by what the "
+        "other photos show: leave it out, or give the exposures (`facecrf bracket --stops`)",
     )
 
 

@@ -22,6 +22,7 @@ from facecrf_ocio.pair.bracket_curve import (
     rmse_after_scale,
     solve_bracket,
 )
+from facecrf_ocio.pair.calibrate_bracket import bracket_doubts, bracket_verdict
 from facecrf_ocio.pair.code_samples import read_samples
 from facecrf_ocio.values import Confidence, Estimate, Float, InverseCRF, Outcome, Verdict
 
@@ -114,9 +115,10 @@ def bracket_estimate(
         confidence=Confidence(
             solved.sigma,
             shown,
-            Verdict.RELIABLE,
+            bracket_verdict(solved),
             tuple(reasons),
             solved.in_stops,
+            doubts=bracket_doubts(solved, [one.name for one in members]),
         ),
     )
 
