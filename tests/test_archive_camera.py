@@ -100,7 +100,7 @@ def test_a_photo_that_does_not_fit_is_told_and_keeps_its_own_curve(tmp_path, poo
     source, output, alone = (tmp_path / name for name in ("photos", "luts", "alone"))
     for number in range(4):
         write_face(source / f"{number}.jpg", number, **ONE)
-    write_face(source / "edited.jpg", 2, gamma_curve(0.35), **ONE)
+    write_face(source / "edited.jpg", 3, gamma_curve(0.35), **ONE)
     pooled(source, output)
     facecrf("batch", source, "-o", alone, "--formats", "spi1d")
     told = dict(table(output, "SELECT name, misfit FROM photos"))
