@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -88,6 +90,35 @@ def test_noise_that_contradicts_the_faces_is_not_believed():
     sure = PRIOR.posterior(None, PRIOR.weights_for("auto"))
     faces = Posterior(np.ones(1), sure.mean[None], 0.05 * sure.covariance[None])
     assert add_noise(faces, levels, PRIOR, 1.0) is None
+
+
+def sure_of(exponent):
+    """Faces that know a curve better than most do."""
+    root = np.linspace(0.0, 1.0, PRIOR.grid.size) ** (exponent / 2.0)
+    mean = np.linalg.lstsq(PRIOR.basis.T, root - PRIOR.mean, rcond=None)[0]
+    return Posterior(np.ones(1), mean[None], 0.05 * KNOWN_NOTHING.covariance[None])
+
+
+def moved(faces, levels):
+    """[stop] by which noise moves the curve that faces give, RMS over codes after a scale."""
+    found = add_noise(faces, levels, PRIOR, 1.0) or faces
+    codes = np.linspace(64, 235, 50) / 255.0
+    lights = [np.interp(codes, PRIOR.grid, PRIOR.samples(one.mean)) for one in (found, faces)]
+    return float(np.std(np.log2(lights[0] / lights[1])))
+
+
+def test_faces_that_are_sure_are_hardly_moved_by_noise_that_strays():
+    levels, generator = noise_levels([frames(2.2)]), np.random.default_rng(7)
+    strays = np.exp(0.2 * generator.standard_normal((10, levels.variance.size)))
+    straying = [replace(levels, variance=levels.variance * one) for one in strays]
+    assert np.mean([moved(sure_of(2.2), one) for one in straying]) < 0.02  # [stop]
+
+
+def test_noise_is_believed_less_the_more_of_it_an_encoder_took():
+    levels = noise_levels([frames(2.4)])
+    shares = [np.full(levels.finest.size, share) for share in (1.0, 0.8, 0.6)]
+    whole, less, least = (moved(sure_of(2.2), replace(levels, finest=one)) for one in shares)
+    assert whole > 1.2 * less > 1.44 * least
 
 
 def test_few_levels_tell_nothing():
