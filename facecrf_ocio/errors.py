@@ -6,8 +6,9 @@ import re
 from pathlib import Path
 from typing import Any
 
-# How texts name an argument of Python's: `stops=...`, `direction="encode"`, `overwrite=True`.
-_ARGUMENT = re.compile(r'\b([a-z][a-z_]*)=(?:\.\.\.|True|"([\w-]+)")')
+# How texts name an argument of Python's: `stops=...`, `direction="encode"`, `overwrite=True`,
+# `stops=[0, -1, 2]`.
+_ARGUMENT = re.compile(r'\b([a-z][a-z_]*)=(?:\.\.\.|True|"([\w-]+)"|\[([-\d., ]+)\])')
 _OPTIONS = {
     "ca": "tls-ca",
     "corners_xy": "corners",
@@ -54,7 +55,7 @@ def in_options(text: str, command: str = "") -> str:
 
 
 def _option(argument: re.Match[str]) -> str:
-    name, value = argument[1], argument[2]
+    name, value = argument[1], argument[2] or (argument[3] or "").replace(" ", "")
     option = f"--{_OPTIONS.get(name, name).replace('_', '-')}"
     return f"{option} {value}" if value else option
 

@@ -158,20 +158,31 @@ def test_exposures_out_of_order_or_with_exchanged_signs_give_no_curve(told):
     assert "check the order and the signs" in solve_bracket(shots, told).problem
 
 
-def test_the_command_names_the_photo_whose_time_is_false(capfd, tmp_path):
-    ramp = np.geomspace(0.002, 1.0, 640, dtype=np.float32)
-    linear = np.tile(ramp[None, :, None], (400, 1, 3))
-    photos = [
-        write_picture(
-            tmp_path / f"{n}.jpg", linear * 2.0 ** (n - 4), **exposed(n, n + 2.0 * (n == 3) - 4)
-        )
+def false_bracket(folder, off):
+    """Six photos a stop apart, of which 3.jpg tells a time that is off by so many stops."""
+    linear = np.tile(np.geomspace(0.002, 1.0, 640, dtype=np.float32)[:, None], (400, 1, 3))
+    told = np.arange(-4, 2) + off * (np.arange(6) == 3)
+    return [
+        write_picture(folder / f"{n}.jpg", linear * 2.0 ** (n - 4), **exposed(n, float(told[n])))
         for n in range(6)
     ]
-    ended = CommandLine(capfd)("bracket", *photos, "-o", tmp_path / "out")
+
+
+@pytest.mark.parametrize("off", [2.0, -1.0])
+def test_following_what_is_told_of_a_false_time_gives_a_reliable_curve(capfd, tmp_path, off):
+    photos, command = false_bracket(tmp_path, off), CommandLine(capfd)
+    ended = command("bracket", *photos, "-o", tmp_path / "out")
     said = ended.out + ended.err
-    assert "3.jpg was exposed 2.0 stops less than is told of it" in said
-    assert said.count("was exposed") == 1
-    assert "--fallback" not in said  # which the command does not have
+    how = f"3.jpg was exposed {abs(off):.1f} stops {'less' if off > 0 else 'more'} than is told"
+    assert said.count(how) == said.count("was exposed") == 1
+    assert "run again without it, or with --stops 0," in said
+    assert not any(no in said for no in ("reliable", "tripod", "a longer bracket", "--fallback"))
+    told = said.partition("--stops ")[2].split()[0]
+    assert np.abs(np.array(told.split(","), float) - np.arange(6)).max() < 0.1
+    for again in (photos[:3] + photos[4:], [*photos, "--stops", told]):
+        ended = command("bracket", *again, "-o", tmp_path / str(len(again)))
+        assert "calibrated (reliable)" in ended.out, ended.err
+        assert "was exposed" not in ended.out
 
 
 @pytest.mark.slow

@@ -94,6 +94,9 @@ def test_a_photo_that_gives_nothing_has_a_remedy_that_its_surface_offers():
     assert remedy(lacking) == "use a sharp photo, or the mean response instead"
     assert remedy(lacking, PYTHON) == 'use a sharp photo, or fallback="mean"'
     assert remedy(lacking, COMMAND_LINE) == "use a sharp photo, or --fallback mean"
+    for estimator in MEASURED:
+        measured = replace(lacking, estimator=estimator)
+        assert remedy(measured, COMMAND_LINE) == remedy(measured, PYTHON) == "use a sharp photo"
 
 
 def test_linear_files_need_nothing():

@@ -14,6 +14,7 @@ from facecrf_ocio.cli.live import status
 from facecrf_ocio.cli.options import PHOTO_PATH, exr_options
 from facecrf_ocio.cli.terminal import NOTHING, complain, ending_well, say
 from facecrf_ocio.cli.told_estimates import tell_notes
+from facecrf_ocio.errors import in_options
 
 if TYPE_CHECKING:
     from facecrf_ocio.pair.calibrate_bracket import BracketEstimate
@@ -64,8 +65,8 @@ def merge(
         solved = solve(photos, given)
         estimate = _curve(source, photos, solved)
         if estimate.found is None:
-            message = f"{photos[0]}: {estimate.outcome}: {estimate.reason}; {estimate.remedy}"
-            return complain(message, NOTHING)
+            told = in_options(f"{estimate.reason}; {estimate.remedy}")
+            return complain(f"{photos[0]}: {estimate.outcome}: {told}", NOTHING)
         own = estimate is solved.estimate
         stops = solved.solved.refined if own else refined_stops(solved.bracket, estimate.found)
         merged = write_merged(

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from facecrf_ocio.cli.terminal import DONE, NOTHING, complain, one_line, say
+from facecrf_ocio.errors import in_options
 
 if TYPE_CHECKING:
     from facecrf_ocio.values import Estimate
@@ -21,7 +22,7 @@ def tell_estimate(whose: str, estimate: Estimate) -> None:
 
     told = estimate.confidence
     outcome = str(estimate.outcome) if told is None else f"{estimate.outcome} ({told.verdict})"
-    say(f"{whose}: {outcome}: {sentence(estimate, COMMAND_LINE)}")
+    say(f"{whose}: {outcome}: {in_options(sentence(estimate, COMMAND_LINE))}")
 
 
 def tell_details(estimate: Estimate) -> None:
@@ -60,7 +61,7 @@ def tell(
     verdict = None if told is None else str(told.verdict)
     code = DONE
     if estimate.found is None:
-        message = f"{path}: {estimate.outcome}: {sentence(estimate, COMMAND_LINE)}"
+        message = f"{path}: {estimate.outcome}: {in_options(sentence(estimate, COMMAND_LINE))}"
         code = complain(message, NOTHING)
         tell_notes(() if as_json else notes, err=True)
     elif not as_json:

@@ -74,9 +74,9 @@ def calibrate_bracket(
     bracket = small_bracket(photos, stops)
     codes, usable = flat_patches(bracket, center_only=center_only)
     solved = solve_bracket(codes, stops, usable)
-    doubts = bracket_doubts(solved, [path.name for path in bracket.paths])
+    false, remedy = _false(solved, bracket)
     if solved.problem or solved.found is None or solved.in_stops is None:
-        return BracketEstimate(_not_calibrated(solved, doubts), solved, bracket)
+        return BracketEstimate(_not_calibrated(solved, false, remedy), solved, bracket)
     estimate = Estimate(
         Outcome.CALIBRATED,
         "bracket",
@@ -89,7 +89,7 @@ def calibrate_bracket(
             bracket_verdict(solved),
             bracket_reasons(solved),
             solved.in_stops,
-            doubts=doubts,
+            doubts=(f"{false}: {remedy}",) if false else (),
         ),
         assumptions=(
             RELATIVE_TO_WHITE,
@@ -111,23 +111,43 @@ def bracket_verdict(solved: BracketCurve) -> Verdict:
 
 
 def bracket_doubts(solved: BracketCurve, names: Sequence[str]) -> tuple[str, ...]:
-    """Whose exposure is not what was told, of photos of these names."""
+    """Whose exposure is not what was told, of photos of these names, found in an archive."""
+    said = _named(solved, names)
+    remedy = "leave it out, or give the exposures (`facecrf bracket --stops`)"
+    return (f"{said}: {remedy}",) if said else ()
+
+
+def _named(solved: BracketCurve, names: Sequence[str]) -> str:
     if solved.false is None:
-        return ()
+        return ""
     photo, stops = solved.false
     more = "more" if stops > 0.0 else "less"
     return (
         f"{names[photo]} was exposed {abs(stops):.1f} stops {more} than is told of it, by what the "
-        "other photos show: leave it out, or give the exposures (`facecrf bracket --stops`)",
+        "other photos show"
     )
 
 
-def _not_calibrated(solved: BracketCurve, doubts: tuple[str, ...]) -> Estimate:
+def _false(solved: BracketCurve, bracket: SmallBracket) -> tuple[str, str]:
+    """Whose exposure is not what was told, and what to do; empty if none is."""
+    if solved.false is None:
+        return "", ""
+    photo, stops = solved.false
+    right = bracket.stops + stops * (np.arange(len(bracket.paths)) == photo)
+    given = ", ".join(f"{round(stop, 2) + 0.0:g}" for stop in (right - right[0]).tolist())
+    return (
+        _named(solved, [path.name for path in bracket.paths]),
+        f"run again without it, or with stops=[{given}]",
+    )
+
+
+def _not_calibrated(solved: BracketCurve, false: str, remedy: str) -> Estimate:
     return Estimate(
         Outcome.NOT_CALIBRATED,
         "bracket",
-        "; ".join([f"the photos give no curve: {solved.problem}", *doubts]),
-        "shoot from a tripod with all settings fixed but the time, one stop apart, from nearly "
+        "; ".join(filter(None, [f"the photos give no curve: {solved.problem}", false])),
+        remedy
+        or "shoot from a tripod with all settings fixed but the time, one stop apart, from nearly "
         "black to nearly white",
     )
 

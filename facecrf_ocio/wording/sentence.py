@@ -77,7 +77,7 @@ def sentence(estimate: Estimate, surface: Surface = ANYWHERE) -> str:
     told = expectation(estimate)
     if told is None:
         return f"{estimate.reason}; {remedy(estimate, surface)}"
-    if told.verdict is Verdict.RELIABLE:
+    if told.verdict is Verdict.RELIABLE or _says_what_to_do(estimate):
         return expected(estimate)
     return f"{expected(estimate)}; surer: {', or '.join(surer_by(estimate, surface))}"
 
@@ -115,6 +115,12 @@ def remedy(estimate: Estimate, surface: Surface = ANYWHERE) -> str:
     if estimate.outcome is not Outcome.NOT_CALIBRATED or estimate.estimator in _MEASURED_ANEW:
         return estimate.remedy  # what measures has no fallback
     return ", or ".join(filter(None, (estimate.remedy, surface.fallback)))
+
+
+def _says_what_to_do(estimate: Estimate) -> bool:
+    """Whether a doubt names what is wrong with a measurement, and how it is mended."""
+    doubts = () if estimate.confidence is None else estimate.confidence.doubts
+    return bool(doubts) and estimate.estimator in _MEASURED_ANEW
 
 
 def error_words(expected: Expectation) -> str:

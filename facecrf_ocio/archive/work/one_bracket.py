@@ -63,7 +63,10 @@ def _laid_over(series: Series, given: Estimate | None) -> tuple[SmallBracket, Es
     stops, center_only = np.array(series.stops), series.center_only
     if given is None:
         solved = calibrate_bracket(_read(series), stops, center_only=center_only)
-        return with_stops(solved.bracket, solved.solved.refined), solved.estimate
+        estimate = solved.estimate
+        if estimate.found is None and solved.solved.false is not None:
+            estimate = replace(estimate, remedy="merge the others by `facecrf merge`")
+        return with_stops(solved.bracket, solved.solved.refined), estimate
     bracket = small_bracket(_read(series), stops)
     refined = refined_stops(bracket, given.curve, center_only=center_only)
     return with_stops(bracket, refined), given
