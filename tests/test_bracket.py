@@ -176,13 +176,13 @@ def test_following_what_is_told_of_a_false_time_gives_a_reliable_curve(capfd, tm
     how = f"3.jpg was exposed {abs(off):.1f} stops {'less' if off > 0 else 'more'} than is told"
     assert said.count(how) == said.count("was exposed") == 1
     assert "run again without it, or with --stops 0," in said
-    assert not any(no in said for no in ("reliable", "tripod", "a longer bracket", "--fallback"))
+    other = ("reliable", "tripod", "a longer bracket", "--fallback", "check the order")
+    assert [words for words in other if words in said] == []
     told = said.partition("--stops ")[2].split()[0]
-    assert np.abs(np.array(told.split(","), float) - np.arange(6)).max() < 0.1
+    assert np.allclose(np.array(told.split(","), float), np.arange(6), atol=0.1)
     for again in (photos[:3] + photos[4:], [*photos, "--stops", told]):
         ended = command("bracket", *again, "-o", tmp_path / str(len(again)))
         assert "calibrated (reliable)" in ended.out, ended.err
-        assert "was exposed" not in ended.out
 
 
 @pytest.mark.slow

@@ -145,7 +145,8 @@ def _not_calibrated(solved: BracketCurve, false: str, remedy: str) -> Estimate:
     return Estimate(
         Outcome.NOT_CALIBRATED,
         "bracket",
-        "; ".join(filter(None, [f"the photos give no curve: {solved.problem}", false])),
+        # A false time explains other problems, or hides them: one thing to do after the other.
+        f"the photos give no curve: {false or solved.problem}",
         remedy
         or "shoot from a tripod with all settings fixed but the time, one stop apart, from nearly "
         "black to nearly white",
