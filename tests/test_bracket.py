@@ -11,10 +11,12 @@ from command_line import CommandLine, write_noise
 from facecrf_ocio.benchmark.peers.bracket_curves import Brackets
 from facecrf_ocio.benchmark.peers.made_curves import made_curves
 from facecrf_ocio.pair.bracket_curve import solve_bracket
+from facecrf_ocio.pair.calibrate_bracket import bracket_doubts, bracket_verdict
 from facecrf_ocio.record.calibration_record import read_record
-from facecrf_ocio.response.expected_stops import expected_of_sigma
+from facecrf_ocio.response.expected_stops import expected_of_sigma, verdict_of
 from facecrf_ocio.response.stops import stops_error, uniform
 from facecrf_ocio.synthetic import encode, gamma_curve
+from facecrf_ocio.values import Verdict
 
 CODES = np.arange(32, 236) / 255.0
 
@@ -156,6 +158,17 @@ def test_exposures_out_of_order_or_with_exchanged_signs_give_no_curve(told):
     """By exchanged signs all points agree, with a curve that was called reliable."""
     shots = points((-2.0, -1.0, 0.0, 1.0), gamma_curve(2.2))
     assert "check the order and the signs" in solve_bracket(shots, told).problem
+
+
+def test_of_two_photos_none_is_reliable_as_nothing_checks_their_exposures():
+    truth = gamma_curve(2.2)
+    two = solve_bracket(points((-3.0, 0.0), truth), (-3.0, 0.0))
+    assert verdict_of(two.in_stops) is Verdict.RELIABLE
+    assert bracket_verdict(two) is Verdict.WEAK
+    assert "a third would check these" in " ".join(bracket_doubts(two, ["a.jpg", "b.jpg"]))
+    three = solve_bracket(points((-3.0, -1.5, 0.0), truth), (-3.0, -1.5, 0.0))
+    assert bracket_verdict(three) is Verdict.RELIABLE
+    assert bracket_doubts(three, ["a.jpg", "b.jpg", "c.jpg"]) == ()
 
 
 def false_bracket(folder, off):

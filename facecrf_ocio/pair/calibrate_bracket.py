@@ -18,6 +18,8 @@ from facecrf_ocio.values import Confidence, Estimate, Float, Outcome, Photo, Ver
 from facecrf_ocio.wording.assumption_words import RELATIVE_TO_WHITE
 
 _RELIABLE_RESIDUAL = 0.08  # [stop]
+_CHECKED = 3  # photos from which on their exposures check each other
+_UNCHECKED = "two photos agree with any exposures told of them; a third would check these"
 _SAME_APERTURE = 1e-3  # f-numbers are written with one decimal or two
 
 
@@ -89,7 +91,7 @@ def calibrate_bracket(
             bracket_verdict(solved),
             bracket_reasons(solved),
             solved.in_stops,
-            doubts=(f"{false}: {remedy}",) if false else (),
+            doubts=_doubts(f"{false}: {remedy}" if false else "", solved),
         ),
         assumptions=(
             RELATIVE_TO_WHITE,
@@ -107,6 +109,7 @@ def apertures_differ(shots: Sequence[Shot]) -> bool:
 def bracket_verdict(solved: BracketCurve) -> Verdict:
     """`reliable` or `weak`, as the expected errors are; never `reliable` with a doubt."""
     agree = solved.residual <= _RELIABLE_RESIDUAL and solved.false is None
+    agree = agree and solved.refined.size >= _CHECKED
     return verdict_of(solved.in_stops) if agree and solved.in_stops else Verdict.WEAK
 
 
@@ -114,7 +117,12 @@ def bracket_doubts(solved: BracketCurve, names: Sequence[str]) -> tuple[str, ...
     """Whose exposure is not what was told, of photos of these names, found in an archive."""
     said = _named(solved, names)
     remedy = "leave it out, or give the exposures (`facecrf bracket --stops`)"
-    return (f"{said}: {remedy}",) if said else ()
+    return _doubts(f"{said}: {remedy}" if said else "", solved)
+
+
+def _doubts(false: str, solved: BracketCurve) -> tuple[str, ...]:
+    unchecked = "" if solved.refined.size >= _CHECKED else _UNCHECKED
+    return tuple(filter(None, [false, unchecked]))
 
 
 def _named(solved: BracketCurve, names: Sequence[str]) -> str:
