@@ -57,7 +57,7 @@ def apply(
         )
     say(f"{photo}: sent through {lut}")
     if source.scene_linear and direction != "encode":
-        tell_notes(["it is linear light already, and the LUT is for code values"])
+        tell_notes(["it is linear light already; a LUT for code values bends it"])
     tell_notes((*source.notes, *error_notes(lut), *with_remedy(written.notes)))
     click.echo(one_line(f"  {written.path}"))
     return DONE
