@@ -132,7 +132,7 @@ def write_consistency(found: Consistency, output: Path) -> tuple[Path, ...]:
 def _through_curves(name: str, photo: Photo, estimate: Estimate) -> Iterator[Difference]:
     """Compare with g(h^-1), for every h."""
     for curve, h in known_curves().items():
-        changed = _in_8_bits(photo, np.interp(photo.encoded, _GRID, h))
+        changed = photo_in_8_bits(photo, np.interp(photo.encoded, _GRID, h))
         back = np.interp(_GRID, h, _GRID)
         inverse = estimate.curve
         truth = np.array([np.interp(back, inverse.encoded, row) for row in inverse.linear])
@@ -143,7 +143,7 @@ def _as_srgb(name: str, photo: Photo, estimate: Estimate) -> Iterator[Difference
     srgb = decode_srgb(_GRID)
     encoded = np.interp(estimate.curve.linearize(photo.encoded), srgb, _GRID)
     truth = np.tile(srgb, (3, 1))
-    yield from _difference((SRGB, name, "sRGB"), _in_8_bits(photo, encoded), truth)
+    yield from _difference((SRGB, name, "sRGB"), photo_in_8_bits(photo, encoded), truth)
 
 
 def _difference(case: tuple[str, str, str], photo: Photo, truth: Float) -> Iterator[Difference]:
@@ -183,7 +183,8 @@ def _sampled(curve: InverseCRF) -> Float:
     return np.array([np.interp(_GRID, curve.encoded, row) for row in curve.linear])
 
 
-def _in_8_bits(photo: Photo, encoded: Float) -> Photo:
+def photo_in_8_bits(photo: Photo, encoded: Float) -> Photo:
+    """The photo with other encoded values (H, W, 3), clipped to [0, 1] and rounded to codes."""
     codes = np.rint(np.clip(encoded, 0.0, 1.0) * 255.0)
     return replace(photo, encoded=np.asarray(codes / 255.0, np.float32), bit_depth=8)
 
@@ -193,7 +194,7 @@ def _halved(photo: Photo) -> Photo:
     size = (max(1, width // 2), max(1, height // 2))
     encoded = np.asarray(cv2.resize(photo.encoded, size, interpolation=cv2.INTER_AREA), np.float32)
     alpha = None  # nothing here looks at it
-    return _in_8_bits(replace(photo, encoded=encoded, alpha=alpha), encoded)
+    return photo_in_8_bits(replace(photo, encoded=encoded, alpha=alpha), encoded)
 
 
 def _without_pixels(photo: Photo) -> Photo:

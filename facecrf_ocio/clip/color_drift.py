@@ -76,7 +76,13 @@ def change_of_colors(codes: Float, curve: StartCurve, placed: Placed, tile: Inde
         columns, noise = _columns(fitted, curve, placed), _noise(fitted, curve)[:, None]
         for _ in range(REWEIGHTED):
             steps = [
-                _step(np.column_stack([columns[:, one], fields, turned[:, one]]), one, each, placed)
+                _step(
+                    np.column_stack([columns[:, one], fields, turned[:, one]]),
+                    one,
+                    each,
+                    placed,
+                    first,
+                )
                 for one, each in enumerate(weights.T)
             ]
             system = known + np.sum([one.system for one in steps], axis=0)
@@ -129,9 +135,8 @@ def _precision(curve: StartCurve) -> Float:
     return np.asarray(precision)
 
 
-def _step(both: Float, number: int, weights: Float, placed: Placed) -> _Turned:
+def _step(both: Float, number: int, weights: Float, placed: Placed, first: Index) -> _Turned:
     """Of columns of bends, then fields, then light; `number` 0 is brightness."""
-    first = np.flatnonzero(np.diff(placed.point, prepend=-1))
     apart, of_frames = beside_frames(both, weights, placed, first)
     spread = spread_of_fields(placed) * (_FIELD_COLORS if number else 1.0)
     begin, end = both.shape[1] - 1 - spread.size, both.shape[1] - 1

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.pair.exposure_fit import CODES, ExposureFit, fit_exposures
+from facecrf_ocio.pair.exposure_fit import CODES, FEWEST_POINTS, ExposureFit, fit_exposures
 from facecrf_ocio.pair.extrapolate import continued
 from facecrf_ocio.pair.left_out import false_exposure, fits_without
 from facecrf_ocio.pair.told_order import out_of_order
@@ -21,7 +21,6 @@ from facecrf_ocio.values import CHANNELS, Bool, Float, InStops, InverseCRF
 LOWEST, HIGHEST = 4, 249
 # Next to white some pixels of a patch are clipped already, and next to black some are drowned.
 _SURE_FROM, _SURE_TO = 6.0, 245.0
-_FEWEST = 100  # points: five and more for each of the curve's coefficients
 _NEAR = 8  # [code value] what a point says of its neighbors
 
 MIN_STOPS = 1.0  # [stop] from the darkest to the brightest exposure; chosen by judgment
@@ -113,7 +112,7 @@ def solve_bracket(
     clear = clear if usable is None else clear & usable
     clear &= clear.sum(axis=0) >= 2
     told = clear.any(axis=0)
-    if told.sum() < _FEWEST:
+    if told.sum() < FEWEST_POINTS:
         problem = "too few points are neither drowned nor clipped in two of its photos"
         return BracketCurve(None, np.empty(0), None, span, 0.0, 0.0, 0.0, 0.0, problem, given)
     codes, clear = codes[:, told], clear[:, told]

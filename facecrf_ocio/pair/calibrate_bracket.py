@@ -108,8 +108,8 @@ def apertures_differ(shots: Sequence[Shot]) -> bool:
 
 def bracket_verdict(solved: BracketCurve) -> Verdict:
     """`reliable` or `weak`, as the expected errors are; never `reliable` with a doubt."""
-    agree = solved.residual <= _RELIABLE_RESIDUAL and solved.false is None
-    agree = agree and solved.refined.size >= _CHECKED
+    checked = solved.false is None and solved.refined.size >= _CHECKED
+    agree = checked and solved.residual <= _RELIABLE_RESIDUAL
     return verdict_of(solved.in_stops) if agree and solved.in_stops else Verdict.WEAK
 
 

@@ -22,6 +22,8 @@ from facecrf_ocio.response.robust import biweight, robust_deviation, robust_devi
 from facecrf_ocio.values import CHANNELS, Bool, Float, Index
 
 CODES = 256  # of 8 bits, to which all photos of a bracket are brought
+FEWEST_POINTS = 100  # of a fit: five and more for each of the curve's coefficients
+FEWEST_SHARED = 30  # points that two photos, or a photo and the others, are compared by
 _SEGMENTS, _DEGREE = 16, 3  # of a cubic spline, with a knot every 16 codes; chosen by judgment
 _SIZE = _SEGMENTS + _DEGREE
 # Of weighing anew, from nothing and from a fit of other points; chosen by judgment.

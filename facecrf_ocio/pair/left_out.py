@@ -7,12 +7,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from facecrf_ocio.pair.exposure_fit import CODES, ExposureFit, fit_exposures
+from facecrf_ocio.pair.exposure_fit import (
+    CODES,
+    FEWEST_POINTS,
+    FEWEST_SHARED,
+    ExposureFit,
+    fit_exposures,
+)
 from facecrf_ocio.values import CHANNELS, Bool, Float, Index
 
 _MOST = 8  # fits of one bracket; of more photos, neighbors in exposure are left out together
-_FEWEST = 100  # points of a fit, as `solve_bracket` asks
-_FEWEST_SHARED = 30  # points by which a photo's exposure is told
 _FEWEST_PHOTOS = 4  # of three, a false one leaves two that agree with anything
 _FALSE = 0.45  # [stop] departure that is called false (docs/evidence)
 _CLEARLY = 3.0  # times what the others depart by once it is gone
@@ -36,7 +40,7 @@ def fits_without(
         rest[group] = False
         rest &= rest.sum(axis=0) >= 2
         told = rest.any(axis=0)
-        if told.sum() >= _FEWEST:
+        if told.sum() >= FEWEST_POINTS:
             fit = fit_exposures(codes[:, told], rest[:, told], given, 1.0, whole)
             found.append((group, fit))
     return tuple(found)
@@ -46,7 +50,7 @@ def false_exposure(
     codes: Float, clear: Bool, given: Float, without: tuple[LeftOut, ...]
 ) -> tuple[int, float] | None:
     """Index of the photo whose exposure is another than told, and [stop] by how much, if one is."""
-    told = np.flatnonzero(clear.sum(axis=1) >= _FEWEST_SHARED)
+    told = np.flatnonzero(clear.sum(axis=1) >= FEWEST_SHARED)
     if len(told) < _FEWEST_PHOTOS:
         return None
     apart = np.abs(_departures(codes, clear, given, without))
@@ -64,7 +68,7 @@ def _tried(codes: Float, clear: Bool, given: Float, photo: int) -> tuple[float, 
     others[photo] = False
     others &= others.sum(axis=0) >= 2
     points = others.any(axis=0)
-    if points.sum() < _FEWEST:
+    if points.sum() < FEWEST_POINTS:
         return 0.0, photo, 0.0
     left, kept = codes[:, points], others[:, points]
     whole = fit_exposures(left, kept, given)
@@ -86,7 +90,7 @@ def _departures(codes: Float, clear: Bool, given: Float, without: tuple[LeftOut,
         real /= np.maximum(count, 1)[:, None]
         for photo in group:
             shared = clear[photo] & (count > 0)
-            if shared.sum() < _FEWEST_SHARED:
+            if shared.sum() < FEWEST_SHARED:
                 continue
             apart = (light[photo] - real)[shared] - given[photo]
             if np.median(np.abs(apart - np.median(apart))) <= _SCATTER:

@@ -6,10 +6,10 @@ from itertools import combinations
 
 import numpy as np
 
+from facecrf_ocio.pair.exposure_fit import FEWEST_SHARED
 from facecrf_ocio.values import Bool, Float
 
 # By judgment: steps of a third and points that glare lifts brought true brackets to -2.4 codes.
-_FEWEST_SHARED = 30  # points
 _TOLD_APART = 0.5  # [stop]
 _DARKER = 4.0  # [code value] in the median
 
@@ -27,7 +27,7 @@ def out_of_order(codes: Float, clear: Bool, given: Float) -> str:
     means = codes.mean(axis=2)
     for less, more in combinations(np.argsort(given, kind="stable"), 2):
         both = clear[less] & clear[more]
-        if given[more] - given[less] < _TOLD_APART or both.sum() < _FEWEST_SHARED:
+        if given[more] - given[less] < _TOLD_APART or both.sum() < FEWEST_SHARED:
             continue
         if np.median((means[more] - means[less])[both]) < -_DARKER:
             return (

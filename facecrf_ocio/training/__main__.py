@@ -208,9 +208,8 @@ def reproduce_command(
     examples = read_parts(paths, source.curves().kind)
     told = {"parts": len(paths), "seed": seed, "data_sha256": source.digests()}
     stored = work / "portraits.npz"
-    versions = None
-    if portraits is not None:
-        versions = _versions(portraits, PORTRAITS_SEED, processes, stored)
+    how = PORTRAITS_SEED, processes, stored
+    versions = None if portraits is None else _versions(portraits, *how)
     training = Training(epochs=choices["epochs"], members=choices["members"])
     if not output.exists():
         fit_joint(output, examples, training, None, (), told, versions)

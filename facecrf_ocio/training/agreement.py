@@ -11,13 +11,12 @@ from torch import Tensor, nn
 
 from facecrf_ocio.joint.prior import FAMILIES, FamilyPrior
 from facecrf_ocio.joint.statistics import CUES
+from facecrf_ocio.response.stops import MID_CODES, MID_GRAY
 from facecrf_ocio.training.cue_networks import fuse, inputs_of, left_in
 from facecrf_ocio.training.portraits import Versions
 from facecrf_ocio.training.posterior import SMALLEST, PosteriorLoss
 from facecrf_ocio.values import Float
 
-_TONES = (64 / 255.0, 235 / 255.0)  # encoded values
-_MIDDLE = 128 / 255.0  # encoded value where the free factor of light is taken out
 # Shares of pairs whose family is told, and among those of phones: heads of a trial were off by
 # 0.079 stops with none told, and by 0.077 with these.
 _TOLD, _PHONES = 0.5, 0.33
@@ -105,9 +104,9 @@ class Agreement:
         error = torch.sqrt(((one**2 - other**2) ** 2).mean(1) + 1e-6)
         logs = 2.0 * torch.log2(torch.clamp(one, min=SMALLEST) / torch.clamp(other, min=SMALLEST))
         of_one, of_other = encoded[0::2], encoded[1::2]
-        middle = torch.abs(of_one + of_other - 2.0 * _MIDDLE).argmin(1, keepdim=True)
+        middle = torch.abs(of_one + of_other - 2.0 * MID_GRAY / 255.0).argmin(1, keepdim=True)
         logs = logs - logs.gather(1, middle)
-        low, high = _TONES
+        low, high = (code / 255.0 for code in MID_CODES)
         both = (torch.minimum(of_one, of_other) >= low) & (torch.maximum(of_one, of_other) <= high)
         tones = (torch.sqrt(logs**2 + 1e-6) * both).sum(1) / both.sum(1)
         return Apart(tones, error)

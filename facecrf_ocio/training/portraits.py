@@ -6,9 +6,9 @@ estimates of two versions of a portrait must agree, and that is all that is lear
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
@@ -19,13 +19,14 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from facecrf_ocio.benchmark.consistency import photo_in_8_bits
 from facecrf_ocio.errors import FaceCRFError, SettingsError
 from facecrf_ocio.files.plain_text import counted
 from facecrf_ocio.joint.evidence import observe
 from facecrf_ocio.joint.statistics import CUES
 from facecrf_ocio.photo.read import read_photo
 from facecrf_ocio.settings import JointSettings
-from facecrf_ocio.values import Float, Lacking, Photo
+from facecrf_ocio.values import Float, Lacking
 
 VERSIONS = 7  # of each portrait, the portrait itself among them; chosen by judgment
 _SUFFIXES = (".jpg", ".jpeg", ".png")
@@ -119,7 +120,7 @@ def known_curve(generator: np.random.Generator) -> Float:
             return np.maximum.accumulate(np.clip(curve, 0.0, 1.0))
 
 
-_Observed = tuple[Float, list[dict[str, Float]]]
+_Observed = tuple[Float, list[Mapping[str, Float]]]
 
 
 def _observed(seed: int, numbered: tuple[int, Path]) -> _Observed | None:
@@ -131,14 +132,10 @@ def _observed(seed: int, numbered: tuple[int, Path]) -> _Observed | None:
         photo = read_photo(path)
     except FaceCRFError:
         return None
-    seen = [observe(_through(photo, curve), JointSettings()) for curve in curves]
+    through = (np.interp(photo.encoded, _GRID, curve) for curve in curves)
+    seen = [observe(photo_in_8_bits(photo, encoded), JointSettings()) for encoded in through]
     told = [one.statistics.by_cue for one in seen if not isinstance(one, Lacking)]
-    return (np.array(curves), [dict(one) for one in told]) if len(told) == VERSIONS else None
-
-
-def _through(photo: Photo, curve: Float) -> Photo:
-    codes = np.rint(np.interp(photo.encoded, _GRID, curve) * 255.0)
-    return replace(photo, encoded=np.asarray(codes / 255.0, np.float32), bit_depth=8)
+    return (np.array(curves), told) if len(told) == VERSIONS else None
 
 
 def _together(found: Sequence[_Observed]) -> Versions:
