@@ -31,7 +31,7 @@ def test_a_model_that_was_changed_ends_with_an_error(monkeypatch):
     def broken(file):
         raise FaceCRFError(f"{file}: is not the model that ships; install facecrf-ocio again")
 
-    monkeypatch.setattr(networks, "model_path", broken)
+    monkeypatch.setattr(networks, "model_file", broken)
     code, text = told()
     assert code == 1
     assert "install facecrf-ocio again" in text

@@ -42,14 +42,15 @@ def _tell(name: str, text: str) -> None:
 
 def _tell_models() -> int:
     from facecrf_ocio.errors import FaceCRFError
-    from facecrf_ocio.face.networks import MODELS, model_path
+    from facecrf_ocio.face.networks import MODELS, model_file
     from facecrf_ocio.files.content import sha256_of
 
     code = DONE
     listed = (MODELS / "SHA256SUMS").read_text(encoding="ascii").split()
     for file in listed[1::2]:
         try:
-            said = f"as it ships, SHA-256 {sha256_of(model_path(file))[:16]}"
+            with model_file(file) as path:
+                said = f"as it ships, SHA-256 {sha256_of(path)[:16]}"
         except FaceCRFError as error:
             said, code = str(error), FAILED
         _tell("model", f"{file}: {said}")

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.face import regions
-from facecrf_ocio.face.networks import model_path
+from facecrf_ocio.face.networks import model_file
 from facecrf_ocio.face.rasterize import interpolate, rasterize, vertex_normals
 from facecrf_ocio.values import Bool, Face, Float, frozen
 
@@ -96,7 +96,7 @@ def face_geometry(
 @cache
 def mesh_triangles() -> npt.NDArray[np.int32]:
     """(898, 3) vertex indices of the face mesh, counterclockwise seen from outside, read-only."""
-    with np.load(model_path("canonical_face_mesh.npz")) as mesh:
+    with model_file("canonical_face_mesh.npz") as path, np.load(path) as mesh:
         return frozen(mesh["triangles"], np.int32)
 
 

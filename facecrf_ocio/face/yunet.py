@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from facecrf_ocio.face.candidate import Candidate
-from facecrf_ocio.face.networks import model_path
+from facecrf_ocio.face.networks import model_file
 
 _LOCK = threading.Lock()  # the detector's input size is part of its state
 _SMALLEST_SIDE = 16  # [px] below it no face can be seen and OpenCV may refuse the image
@@ -53,9 +53,8 @@ def _candidate(row: npt.NDArray[np.float32]) -> Candidate:
 @cache
 def yunet_detector() -> Any:
     """OpenCV's detector, made once per process."""
-    model = str(model_path("face_detection_yunet_2023mar.onnx"))
-    with _without_warnings():
-        return cv2.FaceDetectorYN.create(model, "", (320, 320))
+    with model_file("face_detection_yunet_2023mar.onnx") as path, _without_warnings():
+        return cv2.FaceDetectorYN.create(str(path), "", (320, 320))
 
 
 @contextmanager
