@@ -45,7 +45,8 @@ def model_file(file: str) -> Iterator[Path]:
         return
     with TemporaryDirectory(prefix="facecrf-") as folder:
         whole = Path(folder) / file
-        whole.write_bytes(np.fromfile(halves, np.uint8).reshape(2, -1).T.tobytes())
+        low, high = np.fromfile(halves, np.uint8).reshape(2, -1)
+        np.stack((low, high), axis=1).tofile(whole)
         yield _genuine(whole)
 
 
