@@ -25,8 +25,8 @@ from facecrf_ocio.cameras.known_cameras import (
     write_registry,
 )
 from facecrf_ocio.joint import PhotoEvidence, conclude
-from facecrf_ocio.joint.conclusion import _fused
 from facecrf_ocio.joint.cue_weights import agreeing_shares
+from facecrf_ocio.joint.fused_photos import fuse_photos
 from facecrf_ocio.joint.known_response import (
     STYLES,
     coefficients,
@@ -145,8 +145,8 @@ def test_what_is_known_counts_once_however_many_photos_name_it(photos):
     known = {("Acme Inc.", "One"): known_response([camera(2.2)], "Acme", "One", prior)}
     told = {f"{n}.jpg": said(2.2, 50.0) for n in range(photos)}
     stretches = dict.fromkeys(told, 1.0)
-    without = _fused(told, stretches, prior, weights, {}).posterior
-    both = _fused(told, stretches, prior, weights, known)
+    without = fuse_photos(told, stretches, prior, weights, {}).posterior
+    both = fuse_photos(told, stretches, prior, weights, known)
     assert both.outvoted == ()
     added = np.linalg.inv(both.posterior.covariance) - np.linalg.inv(without.covariance)
     message = np.diag(known["Acme Inc.", "One"].message.precision)

@@ -3,27 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from facecrf_ocio.cameras.known_cameras import KnownCamera
 from facecrf_ocio.files.plain_text import counted
-from facecrf_ocio.joint.cue_weights import agreeing_shares
 from facecrf_ocio.joint.evidence import PhotoEvidence
 from facecrf_ocio.joint.face_exposure import doubts_of_exposure, stretch_of_exposure
-from facecrf_ocio.joint.fuse import average, multiply, widened
+from facecrf_ocio.joint.fused_photos import PHOTO_CORRELATION, Fused, called, fuse_photos
 from facecrf_ocio.joint.joint_model import JointModel, shipped_joint
 from facecrf_ocio.joint.known_response import (
     KnownResponse,
     cameras_named,
     in_channels,
     known_responses,
-    share_beside,
 )
 from facecrf_ocio.joint.messages import COMBINED
 from facecrf_ocio.joint.metadata import UNTOLD
-from facecrf_ocio.joint.prior import FamilyPrior, Message, Posterior
+from facecrf_ocio.joint.prior import Posterior
 from facecrf_ocio.joint.verdict import deviations, doubted, judge, not_single
 from facecrf_ocio.response.coverage import coverage_at
 from facecrf_ocio.response.expected_stops import verdict_of
@@ -38,16 +36,7 @@ from facecrf_ocio.values import (
     Verdict,
 )
 
-# Photos of one camera err alike in part (what a cue does not know of any photo): the correlation of
-# their errors, by which bands of several photos cover as they say.
-PHOTO_CORRELATION = 0.5
 _CAMERAS_TOLD = 3  # of those that photos of one curve name by mistake: the mistake is seen
-# Of cues whose names in the code are not words.
-_NAMES = {
-    COMBINED: "the combination of all cues",
-    "soft_edges": "soft edges",
-    "color_lines": "color lines",
-}
 
 
 def conclude(
@@ -98,7 +87,7 @@ def conclude(
     weights = model.prior.weights_for(prior, *np.mean(leanings, axis=0).tolist())
     known = known_responses((one.camera for one in telling), model.prior, cameras)
     stretches = {n: e.stretch * stretch_of_exposure(e.coverage) for n, e in named.items()}
-    fused = _fused(named, stretches, model.prior, weights, known, correlation)
+    fused = fuse_photos(named, stretches, model.prior, weights, known, correlation)
     dissent = fused.outvoted
     posterior = besides(fused.posterior) if besides and telling else fused.posterior
     alike = strictly_increasing([model.prior.samples(posterior.mean)] * len(CHANNELS))
@@ -109,7 +98,7 @@ def conclude(
     if telling and not known:
         confidence = doubted(confidence, doubts_of_exposure([e.coverage for e in telling]))
     if not shared:
-        agreed = {one: what for one, what in known.items() if _measured(what) not in dissent}
+        agreed = {one: what for one, what in known.items() if what.source not in dissent}
         found = in_channels(found, agreed, (one.camera for one in telling), model.prior)
     coefficients = np.tile(posterior.mean, (len(CHANNELS), 1))
     if not telling:
@@ -124,7 +113,7 @@ def conclude(
             coefficients=coefficients,
         )
     faces = tuple(e.face for e in telling if e.face is not None)
-    cues = sorted({_NAMES.get(c, c) for e in telling for c in e.messages if c != COMBINED})
+    cues = sorted({called(c) for e in telling for c in e.messages if c != COMBINED})
     return Estimate(
         Outcome.CALIBRATED,
         "joint",
@@ -150,7 +139,7 @@ def _with_cameras(
     dissent: Sequence[str],
 ) -> Confidence:
     """Say what was known of the cameras; `weak` where a photo contradicts that, or they differ."""
-    named = dict.fromkeys(_measured(one) for one in known.values())
+    named = dict.fromkeys(one.source for one in known.values())
     agreeing = (f"{one} counts as evidence" for one in named if one not in dissent)
     photos = "the photo contradicts" if len(telling) == 1 else "the photos contradict"
     doubts = [
@@ -165,10 +154,6 @@ def _with_cameras(
         )
     told = replace(confidence, reasons=(*confidence.reasons, *agreeing))
     return doubted(told, tuple(doubts))
-
-
-def _measured(known: KnownResponse) -> str:
-    return f"the measured response of {known.name}"
 
 
 def misfit(evidence: PhotoEvidence, estimate: Estimate, model: JointModel | None = None) -> float:
@@ -190,91 +175,11 @@ def families_of(evidence: PhotoEvidence, model: JointModel) -> Float:
     return _alone(evidence, model).families
 
 
-def _alone(evidence: PhotoEvidence, model: JointModel) -> _Fused:
+def _alone(evidence: PhotoEvidence, model: JointModel) -> Fused:
     """What one photo leaves of the prior, nothing being known of its camera."""
     weights = model.prior.weights_for("auto", evidence.leaning, evidence.phone)
     # Edits darken faces too, and must not hide behind that: the stretch is what cues say.
-    return _fused({"photo": evidence}, {"photo": evidence.stretch}, model.prior, weights, {})
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Fused:
-    """What all photos leave of the prior.
-
-    Attributes
-    ----------
-    posterior
-        Over the prior's coefficients.
-    families
-        (F,) share of each of the prior's families in it.
-    outvoted
-        Cues or photos that the others outvoted.
-    """
-
-    posterior: Posterior
-    families: Float
-    outvoted: tuple[str, ...] = ()
-
-
-def _fused(
-    telling: Mapping[str, PhotoEvidence],
-    stretches: Mapping[str, float],
-    prior: FamilyPrior,
-    weights: Float,
-    known: Mapping[tuple[str, str], KnownResponse],
-    correlation: float = PHOTO_CORRELATION,
-) -> _Fused:
-    """What all photos leave of the prior.
-
-    Photos are averaged as posteriors and not multiplied as likelihoods: the networks were trained
-    for what one photo's messages leave of the prior, and several photos share what is wrong in it.
-    The posterior of each is widened by its stretch. What is known of their camera is the same
-    message for all of them, and counts once at the end.
-    """
-    of_photos: dict[str, Message] = {}
-    outvoted = []
-    of_cameras: dict[str, list[float]] = {}
-    for name, one in telling.items():
-        messages, camera = dict(one.messages), known.get(one.camera)
-        if camera is not None:
-            messages[_measured(camera)] = camera.message
-        shares = agreeing_shares(messages, prior, weights)
-        joined = multiply(list(one.messages.values()), [shares[c] for c in one.messages])
-        if joined is not None:
-            of_photos[name] = joined
-        if camera is not None:
-            share = share_beside(camera.message, prior.posterior(joined, weights))
-            of_cameras.setdefault(camera.name, []).append(share)
-            shares[_measured(camera)] = share
-        outvoted += [_NAMES.get(cue, cue) for cue, share in shares.items() if share < 0.5]
-    if not of_photos:
-        return _Fused(prior.posterior(None, weights), prior.shares_of_families(weights))
-    shares = agreeing_shares(of_photos, prior, weights)
-    outvoted += [photo for photo, share in shares.items() if share < 0.5]
-    posteriors = [
-        widened(prior.posterior(message, weights), stretches[photo])
-        for photo, message in of_photos.items()
-    ]
-    trust = [
-        share / float((prior.deviations(posterior) ** 2).mean())
-        for share, posterior in zip(shares.values(), posteriors, strict=True)
-    ]
-    alone = len(posteriors) == 1
-    pooled = posteriors[0] if alone else average(posteriors, trust, correlation)
-    families = np.mean([prior.shares_of_families(one.weights) for one in posteriors], axis=0)
-    return _Fused(_times_cameras(pooled, known, of_cameras), families, tuple(outvoted))
-
-
-def _times_cameras(
-    pooled: Posterior,
-    known: Mapping[tuple[str, str], KnownResponse],
-    shares: Mapping[str, Sequence[float]],
-) -> Posterior:
-    """Each camera's message once, with the mean of its shares in the photos that name it."""
-    for one in {camera.name: camera for camera in known.values()}.values():
-        share = float(np.mean(shares[one.name]))
-        pooled = pooled.times(Message(one.message.mean, share * one.message.precision))
-    return pooled
+    return fuse_photos({"photo": evidence}, {"photo": evidence.stretch}, model.prior, weights, {})
 
 
 def _confidence(

@@ -56,6 +56,11 @@ class KnownResponse:
     message: Message
     apart: Float
 
+    @property
+    def source(self) -> str:
+        """What results call it."""
+        return f"the measured response of {self.name}"
+
 
 def known_responses(
     named: Iterable[tuple[str, str]],

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
+from functools import cache
 
 import cv2
 import numpy as np
@@ -20,7 +21,6 @@ from facecrf_ocio.joint.second_differences import (
     LEVELS,
     NARROWEST,
     RESIDUES,
-    Plane,
     SecondDifferences,
     counts_of,
     sizes_of,
@@ -97,6 +97,10 @@ class NoiseCounts:
         names = [item.name for item in fields(self)]
         return NoiseCounts(*(getattr(self, name) + getattr(other, name) for name in names))
 
+    def times(self, weight: float) -> NoiseCounts:
+        """Counts of so many windows of the same kind."""
+        return NoiseCounts(*(weight * getattr(self, item.name) for item in fields(self)))
+
 
 def count_noise(
     windows: Sequence[Pixels],
@@ -115,17 +119,13 @@ def count_noise(
     weights
         How often each window counts; once if None.
     """
-    total = _Sums.zeros()
+    total = _no_counts()
     for first, end in _alike(windows, weights):
         codes = np.array([eight_bit(window) for window in windows[first:end]])
         mask = None if masks is None else np.array(masks[first:end])
-        if weights is None:
-            total.count(codes, mask)
-            continue
-        own = _Sums.zeros()
-        own.count(codes, mask)
-        total.add(own, weights[first])
-    return NoiseCounts(*(getattr(total, item.name) for item in fields(total)))
+        found = _counts(codes, mask)
+        total = total.plus(found if weights is None else found.times(weights[first]))
+    return total
 
 
 def _alike(windows: Sequence[Pixels], weights: Sequence[float] | None) -> Iterator[tuple[int, int]]:
@@ -160,61 +160,46 @@ def quantile(counts: Float, share: float) -> Float:
     return np.asarray(np.where(total > 0.0, found, 0.0))
 
 
-@dataclass(slots=True, eq=False)
-class _Sums:
-    histograms: Float
-    pairs: Float
-    lags: Float
-    codes: Float
-    blocks: Float
-    edges: Float
-    soft_edges: Float
-    color_lines: Float
-
-    @staticmethod
-    def zeros() -> _Sums:
-        return _Sums(
-            np.zeros((SIZES, len(CHANNELS), LEVELS, RESIDUES.size)),
-            np.zeros((SIZES, len(CHANNEL_PAIRS), 2, LEVELS)),
-            np.zeros((len(LAGS), 2, LEVELS)),
-            np.zeros((len(CHANNELS), _WHITE + 1)),
-            np.zeros((2, BLOCK, 2)),
-            np.zeros((_EDGE_SIZES, EDGE_LEVELS, EDGE_LEVELS, 3)),
-            np.zeros((len(SOFT_SIZES), SOFT_LEVELS, SOFT_LEVELS, 3)),
-            np.zeros((len(SOFT_SIZES), SOFT_LEVELS, SOFT_LEVELS + 3)),
-        )
-
-    def add(self, other: _Sums, weight: float) -> None:
-        for item in fields(self):
-            total = getattr(self, item.name)
-            total += weight * getattr(other, item.name)
-
-    def count(self, codes: Codes, mask: Bool | None) -> None:
-        """Count windows (N, H, W, 3), with masks (N, H, W)."""
-        sizes = sizes_of(codes, len(SOFT_SIZES))
-        if mask is None:
-            for c, plane in enumerate(sizes[0]):
-                self.codes[c] += counts_of(plane, _WHITE + 1)
-            self.blocks += _block_sums(sizes[0][_GREEN])
-        soft = count_soft_edges(sizes)
-        self.soft_edges += soft.middles
-        self.color_lines += soft.lines
-        for size, channels in enumerate(sizes[:SIZES]):
-            if min(channels.shape[2:]) < NARROWEST:
-                return
-            self._count_size(channels, size, mask)
-            mask = None if mask is None else mask[:, 1::2, 1::2]
-
-    def _count_size(self, channels: Plane, size: int, mask: Bool | None) -> None:
+def _counts(codes: Codes, mask: Bool | None) -> NoiseCounts:
+    """Of windows (N, H, W, 3) of one size, with masks (N, H, W)."""
+    none = _no_counts()
+    histograms, pairs, lags, edges = (
+        np.array(one) for one in (none.histograms, none.pairs, none.lags, none.edges)
+    )
+    sizes = sizes_of(codes, len(SOFT_SIZES))
+    soft, below = count_soft_edges(sizes), mask
+    for size, channels in enumerate(sizes[:SIZES]):
+        if min(channels.shape[2:]) < NARROWEST:
+            break
         white = _WHITE * 4**size
-        found = SecondDifferences.of(channels, white, mask)
-        self.histograms[size] += found.histograms(size)
+        found = SecondDifferences.of(channels, white, below)
+        histograms[size] = found.histograms(size)
         signs = found.signs()
-        self.pairs[size] += found.pairs(signs)
+        pairs[size] = found.pairs(signs)
         if size < _EDGE_SIZES and mask is None:
-            self.edges[size] += count_edges(channels[_GREEN], white)
+            edges[size] = count_edges(channels[_GREEN], white)
         if size == 0:
-            self.lags += found.lags(signs)
+            lags = found.lags(signs)
+        below = None if below is None else below[:, 1::2, 1::2]
+    stored, blocks = none.codes, none.blocks
+    if mask is None:
+        stored = np.stack([counts_of(plane, _WHITE + 1) for plane in sizes[0]])
+        blocks = _block_sums(sizes[0][_GREEN])
+    return NoiseCounts(histograms, pairs, lags, stored, blocks, edges, soft.middles, soft.lines)
+
+
+@cache
+def _no_counts() -> NoiseCounts:
+    return NoiseCounts(
+        np.zeros((SIZES, len(CHANNELS), LEVELS, RESIDUES.size)),
+        np.zeros((SIZES, len(CHANNEL_PAIRS), 2, LEVELS)),
+        np.zeros((len(LAGS), 2, LEVELS)),
+        np.zeros((len(CHANNELS), _WHITE + 1)),
+        np.zeros((2, BLOCK, 2)),
+        np.zeros((_EDGE_SIZES, EDGE_LEVELS, EDGE_LEVELS, 3)),
+        np.zeros((len(SOFT_SIZES), SOFT_LEVELS, SOFT_LEVELS, 3)),
+        np.zeros((len(SOFT_SIZES), SOFT_LEVELS, SOFT_LEVELS + 3)),
+    )
 
 
 def _block_sums(green: Codes) -> Float:
