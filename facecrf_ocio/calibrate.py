@@ -12,6 +12,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from facecrf_ocio.checks import typed
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.estimators import (
     ESTIMATORS,
@@ -48,6 +49,7 @@ _Model = TypeVar("_Model")
 SAME_CURVE = "the camera applied the same curve to all channels"
 
 
+@typed
 def calibrate(
     photo: GivenPhoto,
     *,

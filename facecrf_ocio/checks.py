@@ -1,13 +1,18 @@
-"""Arrays that no one can change, and what those from outside must be to become a photo."""
+"""Arrays that no one can change, and what comes from outside: of which types, and which pixels."""
 
 from __future__ import annotations
 
 import copyreg
+import inspect
+import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache, wraps
+from itertools import chain
+from numbers import Integral, Real
 from pathlib import Path
-from types import MappingProxyType
-from typing import Any
+from types import MappingProxyType, UnionType
+from typing import Any, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
@@ -32,9 +37,15 @@ SMALLEST_TRIANGLE = 1e-3
 def frozen(array: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
     """Return a read-only array of the given type, copied if the caller could still write to it.
 
-    An array that is read-only already is taken as it is: that hands it over.
+    An array that is read-only already is taken as it is: that hands it over. What are no numbers
+    raises SettingsError.
     """
-    result = np.asarray(array, dtype=dtype)
+    try:
+        if np.iscomplexobj(array):
+            raise TypeError
+        result = np.asarray(array, dtype=dtype)
+    except (TypeError, ValueError, OverflowError):
+        raise SettingsError(f"{type(array).__name__} holds no numbers; give floats") from None
     if result.flags.writeable:
         result = result.copy() if isinstance(array, np.ndarray) else result
         result.flags.writeable = False
@@ -44,6 +55,68 @@ def frozen(array: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArr
 def read_only(items: Mapping[str, float]) -> MappingProxyType[str, float]:
     """Return a copy that no one can write to."""
     return MappingProxyType(dict(items))
+
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+_Kinds = tuple[type, ...]
+_ALSO: dict[Any, _Kinds] = {
+    Path: (os.PathLike,),
+    int: (Integral,),
+    float: (Real,),
+    bool: (bool, np.bool_),
+    Any: (object,),
+}
+"""What is taken for a type besides itself, such as NumPy's numbers."""
+
+
+def typed(function: _Function) -> _Function:
+    """Let a function refuse by SettingsError what is not of the types that its signature names."""
+    signature = inspect.signature(function)
+
+    @wraps(function)
+    def run(*args: Any, **named: Any) -> Any:
+        require_types(function, signature.bind(*args, **named).arguments)
+        return function(*args, **named)
+
+    return cast("_Function", run)
+
+
+def require_types(owner: Any, given: Mapping[str, Any]) -> None:
+    """Raise SettingsError unless values are of the types that a function or class names."""
+    for name, value in given.items():
+        kinds, parts = _kinds_named(owner)[name]
+        _require(name, value, kinds)
+        if parts and isinstance(value, list | tuple):
+            for part in value:
+                _require(f"a part of {name}", part, parts)
+
+
+def _require(name: str, value: Any, kinds: _Kinds) -> None:
+    if {os.PathLike, np.ndarray} <= set(kinds):
+        return  # photos, of which `photo_given` tells more
+    # Python takes a text, and an array of one number, for a sequence.
+    whole = isinstance(value, str | bytes) or getattr(value, "ndim", 1) == 0
+    taken = tuple(k for k in kinds if not (whole and k in (Iterable, Sequence)))
+    if not isinstance(value, taken):
+        wanted = " or ".join(dict.fromkeys(kind.__name__ for kind in kinds))
+        raise SettingsError(f"{name} is given as {type(value).__name__}; give {wanted}")
+    if os.PathLike in kinds and "\0" in str(value):
+        raise SettingsError(f"{name} is {value!r:.80}; give a name without a null character")
+
+
+@cache
+def _kinds_named(owner: Any) -> dict[str, tuple[_Kinds, _Kinds]]:
+    """Of each name the types, and those of the parts of what has some."""
+    return {name: _kinds(hint) for name, hint in get_type_hints(owner).items()}
+
+
+def _kinds(hint: Any) -> tuple[_Kinds, _Kinds]:
+    plain, inner = get_origin(hint) or hint, get_args(hint)
+    if plain in (Union, UnionType):
+        kinds, parts = zip(*map(_kinds, inner), strict=True)
+        return tuple(chain(*kinds)), tuple(chain(*parts))
+    of_parts = _kinds(inner[0])[0] if plain in (Iterable, Sequence) else ()
+    return _ALSO.get(plain, (plain,)), of_parts
 
 
 # An estimate goes from process to process, and pickle does not know read-only views by itself.
@@ -90,19 +163,9 @@ def checked_pixels(
 ) -> npt.NDArray[np.float32]:
     """(H, W, 3) float32 of pixels that are finite, and in [0, 1] unless they are linear light.
 
-    Raises
-    ------
-    PhotoError
-        If they are something else.
+    Raises PhotoError if they are something else.
     """
-    _refuse_mask(given, path)
-    array = np.asarray(given)
-    if array.ndim != 3 or array.shape[2] != 3 or 0 in array.shape:
-        raise PhotoError(
-            path,
-            f"an array of shape {array.shape} is not a photo",
-            "give an array of shape (height, width, 3)",
-        )
+    array = checked_shape(given, path)
     if not np.issubdtype(array.dtype, np.floating):
         raise PhotoError(
             path,
@@ -124,6 +187,19 @@ def checked_pixels(
             "scale them to [0, 1], or pass scene_linear=True if they are linear light",
         )
     return encoded
+
+
+def checked_shape(given: npt.ArrayLike, path: Path | None) -> npt.NDArray[Any]:
+    """Return the array of pixels (H, W, 3); raise PhotoError if it has another shape."""
+    _refuse_mask(given, path)
+    array = np.asarray(given)
+    if array.ndim != 3 or array.shape[2] != 3 or 0 in array.shape:
+        raise PhotoError(
+            path,
+            f"an array of shape {array.shape} is not a photo",
+            "give an array of shape (height, width, 3)",
+        )
+    return array
 
 
 def checked_alpha(
@@ -190,7 +266,10 @@ def check_primaries(chromaticities: Sequence[Sequence[float]], path: Path | None
 
 def span_colors(chromaticities: Sequence[Sequence[float]]) -> bool:
     """Whether red, green, blue and white (4 of CIE xy) are a triangle around white."""
-    xy = np.asarray(chromaticities, dtype=np.float64)
+    try:
+        xy = np.asarray(chromaticities, dtype=np.float64)
+    except (TypeError, ValueError):
+        return False
     if xy.shape != (4, 2) or not (np.abs(xy) <= LARGEST_XY).all():  # as NaN is not
         return False
     (x1, y1), (x2, y2) = xy[1] - xy[0], xy[2] - xy[0]

@@ -113,8 +113,8 @@ class InverseCRF:
         values: npt.ArrayLike, tables: tuple[tuple[Float, Float], ...]
     ) -> npt.NDArray[np.float32]:
         given = np.asarray(values)
-        if given.shape[-1:] != (3,):
-            raise SettingsError(f"expected (..., 3) values, not {given.shape}")
+        if given.shape[-1:] != (3,) or given.dtype.kind not in "biuf":
+            raise SettingsError(f"expected (..., 3) values, not {given.shape} of {given.dtype}")
         result = np.empty(given.shape, np.float32)
         for channel, (x, y) in enumerate(tables):
             result[..., channel] = np.interp(given[..., channel], x, y)

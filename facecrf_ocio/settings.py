@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from numbers import Integral, Real
 
 from facecrf_ocio.errors import SettingsError
 
 PRIORS = ("auto", "dorf", "modern")
+_KINDS = {"bool": bool, "int": Integral, "float": Real}  # those of NumPy as well
+_SHARES = (
+    *("value_low", "value_high", "min_face_score"),
+    *("most_flat", "gradient_low", "gradient_high"),
+)
 VERDICTS = ("prior only", "weak", "reliable")
 
 
@@ -44,12 +50,12 @@ class FaceSettings:
     value_high: float = 0.75
 
     def __post_init__(self) -> None:
-        for name in ("value_low", "value_high", "min_face_score"):
-            _require_share(self, name)
-        _require(self.value_low < self.value_high, "value_low must be below value_high")
         for item in fields(self):
-            value = getattr(self, item.name)
-            _require(isinstance(value, bool) or value >= 0, f"{item.name} must not be negative")
+            name, value = item.name, getattr(self, item.name)
+            _require(isinstance(value, _KINDS[str(item.type)]), f"{name} must be {item.type}")
+            _require(name not in _SHARES or 0.0 <= value <= 1.0, f"{name} must lie in [0, 1]")
+            _require(value >= 0, f"{name} must not be negative")
+        _require(self.value_low < self.value_high, "value_low must be below value_high")
 
 
 @dataclass(frozen=True)
@@ -91,10 +97,6 @@ class JointSettings(FaceSettings):
     sure_roughness: float = 0.18
     most_roughness: float = 0.35
     most_scatter: float = 0.1
-
-    def __post_init__(self) -> None:
-        _require_share(self, "most_flat")
-        super().__post_init__()
 
 
 @dataclass(frozen=True)
@@ -140,8 +142,6 @@ class PublishedSettings(FaceSettings):
     min_pairs: int = 8
 
     def __post_init__(self) -> None:
-        for name in ("gradient_low", "gradient_high"):
-            _require_share(self, name)
         super().__post_init__()
         _require(self.gradient_low < self.gradient_high, "gradient_low must be below gradient_high")
 
@@ -153,10 +153,6 @@ class Settings(PublishedSettings, JointSettings):
     See `FaceSettings` for how all look at a face, `JointSettings` and `PublishedSettings` for the
     rest; those of another estimator are without effect.
     """
-
-
-def _require_share(settings: FaceSettings, name: str) -> None:
-    _require(0.0 <= getattr(settings, name) <= 1.0, f"{name} must lie in [0, 1]")
 
 
 def _require(condition: bool, message: str) -> None:

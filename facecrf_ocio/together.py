@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from facecrf_ocio.checks import typed
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.joint import JointModel, conclude, gather, misfit, shipped_joint
 from facecrf_ocio.photo.given import GivenPhoto, photo_given
@@ -40,6 +41,7 @@ class Together:
     lacking: tuple[str, ...]
 
 
+@typed
 def calibrate_together(
     photos: Iterable[GivenPhoto],
     *,

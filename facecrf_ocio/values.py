@@ -20,8 +20,10 @@ from facecrf_ocio.checks import (
     check_primaries,
     checked_alpha,
     checked_pixels,
+    checked_shape,
     encoded_of,
     frozen,
+    require_types,
 )
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.estimates import (
@@ -144,6 +146,9 @@ class GainMap:
             raise SettingsError("a gain map needs three finite numbers for each of its parameters")
 
 
+_PIXELS = ("encoded", "alpha", "bit_depth", "codes")
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Photo:
     """One photo, upright, as encoded by its camera.
@@ -202,6 +207,7 @@ class Photo:
 
         Most of the package looks at the codes; `encoded` is made when it is asked for, and kept.
         """
+        checked_shape(codes, told.get("path"))
         photo = cls(np.zeros((1, 1, 3), np.float32), 8, **told)
         object.__setattr__(photo, "codes", frozen(codes, np.uint8))
         object.__delattr__(photo, "encoded")
@@ -246,6 +252,8 @@ class Photo:
         return f"<Photo {name}: {width} x {height}, {kind}>"
 
     def __post_init__(self) -> None:
+        told = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in _PIXELS}
+        require_types(Photo, told)
         encoded = checked_pixels(self.encoded, self.path, scene_linear=self.scene_linear)
         object.__setattr__(self, "encoded", frozen(encoded, np.float32))
         if self.alpha is not None:

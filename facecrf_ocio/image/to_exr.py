@@ -6,14 +6,16 @@ from pathlib import Path
 from typing import Any
 
 from facecrf_ocio.calibrate import calibrate
+from facecrf_ocio.checks import typed
 from facecrf_ocio.estimates import Estimate
+from facecrf_ocio.image.compression import COMPRESSION
 from facecrf_ocio.image.linearize import write_linear
-from facecrf_ocio.photo.read import read_photo
-from facecrf_ocio.values import Photo
+from facecrf_ocio.photo.given import GivenPhoto, photo_given
 
 
+@typed
 def linearize_photo(
-    photo: Photo | str | Path,
+    photo: GivenPhoto,
     exr: str | Path,
     *,
     estimator: str = "auto",
@@ -26,7 +28,7 @@ def linearize_photo(
     Parameters
     ----------
     photo
-        As read by `read_photo`, or the path of its file.
+        As `calibrate` takes it.
     exr
         File to write.
     estimator, fallback, prior
@@ -41,8 +43,24 @@ def linearize_photo(
         If the photo gives no curve; nothing is written.
     PhotoError, OutputError
         If the photo cannot be read, or the file cannot be written.
+    SettingsError
+        If an argument is none that is known.
     """
-    source = photo if isinstance(photo, Photo) else read_photo(photo)
+    how = _options(**options)
+    source = photo_given(photo)
     estimate = calibrate(source, estimator=estimator, fallback=fallback, prior=prior)
-    write_linear(Path(exr), source, estimate, **options)
+    write_linear(Path(exr), source, estimate, **how)
     return estimate
+
+
+@typed
+def _options(
+    *,
+    space: str = "",
+    exposure: str | float = "0",
+    half: bool = True,
+    compression: str = COMPRESSION,
+    overwrite: bool = False,
+    uncertainty: bool = False,
+) -> dict[str, Any]:
+    return {**locals(), "exposure": str(exposure)}

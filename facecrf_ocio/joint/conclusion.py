@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from facecrf_ocio.cameras.known_cameras import KnownCamera
+from facecrf_ocio.checks import typed
 from facecrf_ocio.files.plain_text import counted
 from facecrf_ocio.joint.evidence import PhotoEvidence
 from facecrf_ocio.joint.face_exposure import doubts_of_exposure, stretch_of_exposure
@@ -39,6 +40,7 @@ from facecrf_ocio.values import (
 _CAMERAS_TOLD = 3  # of those that photos of one curve name by mistake: the mistake is seen
 
 
+@typed
 def conclude(
     evidence: Sequence[PhotoEvidence],
     prior: str = "auto",
@@ -156,6 +158,7 @@ def _with_cameras(
     return doubted(told, tuple(doubts))
 
 
+@typed
 def misfit(evidence: PhotoEvidence, estimate: Estimate, model: JointModel | None = None) -> float:
     """How far a photo's own evidence lies from a curve, in standard deviations per coefficient.
 

@@ -14,6 +14,7 @@ from functools import partial
 
 import numpy as np
 
+from facecrf_ocio.checks import typed
 from facecrf_ocio.errors import SettingsError
 from facecrf_ocio.face.detect import find_faces
 from facecrf_ocio.face.no_face import lacking_faces
@@ -126,6 +127,7 @@ class PhotoEvidence:
             raise SettingsError(f"no evidence of a photo: {error}") from error
 
 
+@typed
 def gather(
     photo: Photo, settings: JointSettings | None = None, networks: Networks | None = None
 ) -> PhotoEvidence:

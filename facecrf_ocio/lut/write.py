@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from facecrf_ocio.checks import typed
 from facecrf_ocio.color.working_space import WORKING_SPACES
 from facecrf_ocio.errors import LutError
 from facecrf_ocio.files.atomic import Draft, write_files
@@ -15,6 +16,7 @@ from facecrf_ocio.lut.transform import LutTransform
 from facecrf_ocio.values import InverseCRF, Primaries
 
 
+@typed
 def write_lut(
     curve: InverseCRF,
     path: str | Path,

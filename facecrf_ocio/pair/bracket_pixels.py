@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.errors import PhotoError, SettingsError
 from facecrf_ocio.pair.bracket_curve import HIGHEST, LOWEST
 from facecrf_ocio.values import Bool, Float, Photo
 
@@ -66,6 +66,8 @@ def small_bracket(photos: Iterable[Photo], stops: Float) -> SmallBracket:
     ------
     PhotoError
         If there are fewer than two, if sizes differ, or if one of them is scene-linear.
+    SettingsError
+        If there are more or fewer exposures.
     """
     paths: list[Path] = []
     images: list[Image] = []
@@ -82,6 +84,9 @@ def small_bracket(photos: Iterable[Photo], stops: Float) -> SmallBracket:
             "is one photo, and no bracket",
             "give two exposures of the scene or more",
         )
+    if stops.shape != (len(images),):
+        count = len(stops) if stops.ndim == 1 else f"an array {stops.shape} of"
+        raise SettingsError(f"{count} exposures for {len(images)} photos; give one for each")
     reference = int(np.argmax([_usable_share(image) for image in images]))
     warps = _warps(images, stops, reference)
     scale = size[0] / images[0].shape[1]

@@ -7,14 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from facecrf_ocio.errors import PhotoError
+from facecrf_ocio.checks import typed
+from facecrf_ocio.errors import PhotoError, SettingsError
 from facecrf_ocio.pair.bracket_curve import BracketCurve, bracket_reasons, solve_bracket
 from facecrf_ocio.pair.bracket_pixels import SmallBracket, flat_patches, small_bracket
 from facecrf_ocio.pair.exposure_grid import stops_of_shots
+from facecrf_ocio.photo.given import GivenPhoto, photo_given
 from facecrf_ocio.photo.shot import Shot
 from facecrf_ocio.response.coverage import coverage_at, coverage_counts
 from facecrf_ocio.response.expected_stops import verdict_of
-from facecrf_ocio.values import Confidence, Estimate, Float, Outcome, Photo, Verdict
+from facecrf_ocio.values import Confidence, Estimate, Float, Outcome, Photo, Verdict, frozen
 from facecrf_ocio.wording.assumption_words import RELATIVE_TO_WHITE
 
 _RELIABLE_RESIDUAL = 0.08  # [stop]
@@ -59,23 +61,32 @@ def stops_by_exif(shots: Sequence[Shot], photos: Sequence[Photo] | None = None) 
     return stops_of_shots(shots)
 
 
+@typed
 def calibrate_bracket(
-    photos: Iterable[Photo], stops: Float, *, center_only: bool = False
+    photos: Iterable[GivenPhoto], stops: Sequence[float] | Float, *, center_only: bool = False
 ) -> BracketEstimate:
     """Find the inverse camera response from exposures of one scene.
 
     Parameters
     ----------
     photos
-        One after the other; only small versions are kept.
+        One after the other, as `calibrate` takes them; only small versions are kept.
     stops
         (J,) log2 of their exposures.
     center_only
         Whether f-numbers differ, which changes how a lens darkens corners.
+
+    Raises
+    ------
+    PhotoError, SettingsError
+        As `small_bracket` does, or if exposures are no numbers.
     """
-    bracket = small_bracket(photos, stops)
+    given = frozen(stops)
+    if not np.isfinite(given).all():
+        raise SettingsError("an exposure is not finite; give stops")
+    bracket = small_bracket(map(photo_given, photos), given)
     codes, usable = flat_patches(bracket, center_only=center_only)
-    solved = solve_bracket(codes, stops, usable)
+    solved = solve_bracket(codes, given, usable)
     false, remedy = _false(solved, bracket)
     if solved.problem or solved.found is None or solved.in_stops is None:
         return BracketEstimate(_not_calibrated(solved, false, remedy), solved, bracket)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from facecrf_ocio.checks import typed
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.pair.align import MIN_CORRELATION, Aligned, align
 from facecrf_ocio.pair.continue_alike import SEEN, continued_alike
@@ -55,6 +56,7 @@ class PairEstimate:
     aligned: Aligned
 
 
+@typed
 def calibrate_pair(
     linear: GivenPhoto, encoded: GivenPhoto | None = None, *, model: ResponseModel | None = None
 ) -> PairEstimate:

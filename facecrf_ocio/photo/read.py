@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from facecrf_ocio.checks import typed
 from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.threads import OtherThread
@@ -70,6 +71,7 @@ _AS_RGB = "save it with R, G and B for each pixel"  # of an EXR of luminance and
 _COPY_OR_CONVERT = f"if it should be one, {COPY_AGAIN}; else {CONVERT}"
 
 
+@typed
 def read_photo(path: str | Path) -> Photo:
     """Read one photo: JPEG, PNG, TIFF, camera raw, EXR, and whatever else OpenImageIO reads.
 

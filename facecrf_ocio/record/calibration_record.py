@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from facecrf_ocio.checks import typed
 from facecrf_ocio.errors import FaceCRFError, LutError, reason_of
 from facecrf_ocio.files import strict_json
 from facecrf_ocio.files.atomic import Draft, write_files
@@ -124,6 +125,7 @@ def read_record(path: Path) -> Record:
     return _read(path, _record_in)
 
 
+@typed
 def read_curve(path: str | Path) -> InverseCRF:
     """Read the curve of a record, NAME.crf.json, to the last digit.
 
