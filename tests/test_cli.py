@@ -106,6 +106,19 @@ class TestHelp:
         wide = [line for line in told if len(line) > columns]
         assert [line for line in wide if " facecrf " not in line] == []
 
+    def test_says_of_every_option_what_it_does(self) -> None:
+        commands = dict(main.commands)
+        for name in ("bench", "cameras"):
+            commands |= {f"{name} {one}": c for one, c in main.commands[name].commands.items()}
+        silent = [
+            f"{name} {option.opts[-1]}"
+            for name, command in commands.items()
+            for option in command.params
+            if isinstance(option, click.Option) and not option.help
+        ]
+        # Where a command writes to, its own sentence and the option's value say.
+        assert [one for one in silent if not one.endswith(" --output")] == []
+
     @pytest.mark.parametrize("line", [line for lines in EXAMPLES.values() for line in lines])
     def test_examples_are_right_usage(self, line: str) -> None:
         _, name, *arguments = shlex.split(line)

@@ -59,3 +59,16 @@ def test_what_a_curve_rests_on_is_told_once(facecrf, photos, tmp_path):
     ended = together(facecrf, photos, tmp_path, "--verbose")
     assert ended.out.count("2 photos, ") == 1
     assert ended.out.count("expected error ") == 1
+
+
+def test_a_copy_of_a_photo_makes_the_curve_no_surer(facecrf, photos, tmp_path):
+    copy = tmp_path / "copy.jpg"
+    copy.write_bytes(photos[0].read_bytes())
+    alone, both = (
+        json.loads(together(facecrf, given, tmp_path, "--json", "--overwrite").out.splitlines()[0])
+        for given in (photos[:1], [photos[0], copy])
+    )
+    assert both["summary"] == alone["summary"]
+    ended = together(facecrf, [photos[0], copy], tmp_path, "--overwrite")
+    assert f"{copy}: says nothing: a photo before it has the same bytes" in ended.err
+    assert (tmp_path / "luts" / "copy.jpg.spi1d").is_file()

@@ -47,7 +47,7 @@ _TLS = ("tls_ca", "tls_cert", "tls_key")
 @click.command()
 @click.argument("source", type=click.Path(path_type=Path))
 @click.option("-o", "--output", required=True, type=TEXT_PATH, metavar="DST", help="Own folder.")
-@click.option("--jobs", type=click.IntRange(1), default=None, help="Processes; one per core.")
+@click.option("--jobs", type=click.IntRange(1), metavar="N", help="Processes; one per core.")
 @click.option("--include", multiple=True, metavar="GLOB", help="Only these; may be repeated.")
 @click.option("--exclude", multiple=True, metavar="GLOB", help="Not these; may be repeated.")
 @click.option(
@@ -79,14 +79,16 @@ _TLS = ("tls_ca", "tls_cert", "tls_key")
     default=300.0,
     show_default=True,
     type=click.FloatRange(0.0, min_open=True),
-    help="Seconds for one photo.",
+    metavar="SECONDS",
+    help="For one photo.",
 )
 @click.option(
     "--memory",
     default=4096,
     show_default=True,
     type=click.IntRange(1),
-    help="MB for one process.",
+    metavar="MB",
+    help="For one process.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object per photo and line.")
 @click.option(

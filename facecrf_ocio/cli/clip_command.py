@@ -44,7 +44,14 @@ if TYPE_CHECKING:
 )
 @formats_option
 @direction_options
-@click.option("--frames", type=click.IntRange(1, 100), default=12, show_default=True)
+@click.option(
+    "--frames",
+    type=click.IntRange(1, 100),
+    metavar="N",
+    default=12,
+    show_default=True,
+    help="How many frames to use; three times as many are looked at.",
+)
 @click.option("--exr", is_flag=True, help="Also write every frame as a scene-linear EXR.")
 @compression_option
 @estimation_options

@@ -32,6 +32,7 @@ def formats_option(command: Callable[..., Any]) -> Callable[..., Any]:
         "--formats",
         default=",".join(default_formats()),
         show_default=True,
+        metavar="LIST",
         callback=_split_formats,
         help=f"LUT formats, by commas, of {', '.join(format_names())}.",
     )(command)

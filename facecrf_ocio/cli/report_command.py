@@ -23,9 +23,10 @@ from facecrf_ocio.files.threads import usable_cores
     default=10_000,
     show_default=True,
     type=click.IntRange(0),
+    metavar="N",
     help="Photos that get thumbnails and curves; all are listed.",
 )
-@click.option("--jobs", type=click.IntRange(1), default=None, help="Threads; one per core.")
+@click.option("--jobs", type=click.IntRange(1), metavar="N", help="Threads; one per core.")
 @ending_well
 def report(
     folder: Path, output: Path | None, overwrite: bool, pictures: int, jobs: int | None

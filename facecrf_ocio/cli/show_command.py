@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     "--output",
     type=TEXT_PATH,
     metavar="PAGE.html",
-    help=f"Page to write; NAME{PAGE} in this folder by default. An older one is replaced.",
+    help=f"Page to write; NAME{PAGE} in this folder by default. An older page is replaced, any "
+    "other file with --overwrite alone.",
 )
 @click.option(
     "--record",

@@ -15,8 +15,16 @@ from facecrf_ocio.cli.terminal import DONE, ending_well
 @click.option(
     "--photos", type=click.IntRange(8), default=64, show_default=True, help="Use so many."
 )
-@click.option("--jobs", type=click.IntRange(1), default=2, show_default=True)
-@click.option("--repeat", type=click.IntRange(1), default=2, show_default=True)
+@click.option(
+    "--jobs", type=click.IntRange(1), default=2, show_default=True, help="Processes of the batch."
+)
+@click.option(
+    "--repeat",
+    type=click.IntRange(1),
+    default=2,
+    show_default=True,
+    help="Run each so often, in turn.",
+)
 @ending_well
 def archive(folder: Path, photos: int, jobs: int, repeat: int) -> int:
     """Time `batch` on the photos in FOLDER beside calibrating them in a loop, and by more jobs.

@@ -17,7 +17,13 @@ from facecrf_ocio.cli.terminal import DONE, ending_well
 @click.option(
     "--curves", required=True, multiple=True, type=PATH, metavar="FILE", help="May be repeated."
 )
-@click.option("--repeat", type=click.IntRange(1), default=2, show_default=True)
+@click.option(
+    "--repeat",
+    type=click.IntRange(1),
+    default=2,
+    show_default=True,
+    help="Photos of each pair of measurements.",
+)
 @ending_well
 def bench_cameras(faces: Path, pattern: str, curves: tuple[Path, ...], repeat: int) -> int:
     """Photos whose camera is known by a measurement that is not that of their own curve."""

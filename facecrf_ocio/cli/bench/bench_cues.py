@@ -19,8 +19,19 @@ from facecrf_ocio.settings import PRIORS
 @click.option("--pattern", default="*", help="Names to take from it.")
 @click.option("--curves", required=True, type=PATH, metavar="FILE", help="Responses.")
 @click.option("--limit-curves", type=click.IntRange(1), help="Test so many, spread evenly.")
-@click.option("--protocol", type=click.Choice(["held-out", "paper"]), default="held-out")
-@click.option("--prior", type=click.Choice(PRIORS), default="auto", show_default=True)
+@click.option(
+    "--protocol",
+    type=click.Choice(["held-out", "paper"]),
+    default="held-out",
+    help="What the prior has seen: not the tested curve's fold, or all.",
+)
+@click.option(
+    "--prior",
+    type=click.Choice(PRIORS),
+    default="auto",
+    show_default=True,
+    help="What joint is told of the responses' family.",
+)
 @click.option("-o", "--output", required=True, type=PATH, metavar="DIR")
 @ending_well
 def cues(output: Path, **choices: Any) -> int:

@@ -21,8 +21,20 @@ if TYPE_CHECKING:
 @click.option("--faces", type=PATH, metavar="DIR", help="Linear images for the curves (Fig. 7).")
 @click.option("--pattern", default="*", help="Names to take from it.")
 @click.option("--curves", type=PATH, metavar="FILE", help="Responses to send them through.")
-@click.option("--limit-curves", type=click.IntRange(1), default=2, show_default=True)
-@click.option("--estimators", default="all", show_default=True, metavar="NAMES")
+@click.option(
+    "--limit-curves",
+    type=click.IntRange(1),
+    default=2,
+    show_default=True,
+    help="Test so many, spread evenly.",
+)
+@click.option(
+    "--estimators",
+    default="all",
+    show_default=True,
+    metavar="NAMES",
+    help="all, or a list with commas.",
+)
 @ending_well
 def figures(
     output: Path,

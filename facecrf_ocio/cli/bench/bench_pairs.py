@@ -14,7 +14,13 @@ from facecrf_ocio.settings import Settings
 
 @click.command()
 @click.argument("source", type=PATH)
-@click.option("--estimators", default="all", show_default=True, metavar="NAMES")
+@click.option(
+    "--estimators",
+    default="all",
+    show_default=True,
+    metavar="NAMES",
+    help="all, or a list with commas.",
+)
 @click.option("-o", "--output", required=True, type=PATH, metavar="DIR")
 @ending_well
 def pairs(source: Path, estimators: str, output: Path) -> int:

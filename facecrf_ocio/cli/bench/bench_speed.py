@@ -33,7 +33,13 @@ _KINDS = ("calibrate", "cold", "apply", "exr", "batch", "memory", "report")
     show_default=True,
     help="Factor on the pixels of the rows.",
 )
-@click.option("--repeat", type=click.IntRange(1), default=5, show_default=True)
+@click.option(
+    "--repeat",
+    type=click.IntRange(1),
+    default=5,
+    show_default=True,
+    help="Time each so often, in turn; the shortest counts.",
+)
 @ending_well
 def speed(
     only: tuple[str, ...],

@@ -30,7 +30,9 @@ from facecrf_ocio.cli.terminal import FAILED, complain, ending_well, require_wri
 )
 @click.option("--title", help="Of the table; by default what was measured on.")
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@click.option(
+    "--seed", type=click.IntRange(0), default=0, show_default=True, help="Of all that is drawn."
+)
 @click.option("-o", "--output", required=True, type=PATH, metavar="DIR")
 @ending_well
 def stress(

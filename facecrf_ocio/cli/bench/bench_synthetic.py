@@ -53,8 +53,20 @@ from facecrf_ocio.settings import PRIORS
     show_default=True,
     help="What the prior has seen: not the tested curve's fold, or all DoRF curves.",
 )
-@click.option("--folds", type=click.IntRange(2), default=5, show_default=True)
-@click.option("--bits", type=click.IntRange(8, 16), default=8, show_default=True)
+@click.option(
+    "--folds",
+    type=click.IntRange(2),
+    default=5,
+    show_default=True,
+    help="Parts of the curves, each tested by a prior of the others.",
+)
+@click.option(
+    "--bits",
+    type=click.IntRange(8, 16),
+    default=8,
+    show_default=True,
+    help="Of the encoded photos.",
+)
 @click.option("--jpeg", type=click.IntRange(1, 100), metavar="QUALITY", help="Store as JPEG.")
 @click.option(
     "--noise", type=click.FloatRange(0, min_open=True), metavar="ISO", help="Add a sensor's noise."
