@@ -120,7 +120,7 @@ class Plan:
         return tuple(PhotoCases(*photo, tuple(missing[photo])) for photo in sorted(missing))
 
     def fold_of(self) -> Index | None:
-        """Fold of each response, None if none is held out."""
+        """(N,) fold of each response, None if none is held out."""
         return assign_folds(self.responses, self.folds) if HELD_OUT in self.protocols else None
 
     def keys(self) -> dict[Case, str]:

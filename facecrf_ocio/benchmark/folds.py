@@ -48,7 +48,7 @@ def assign_folds(responses: Responses, folds: int) -> Index:
 
 
 def training_rows(responses: Responses, fold_of: Index, fold: int) -> Index:
-    """Rows that the prior of a fold may see: those of all others, less the guard of a block."""
+    """Rows that the prior of one of folds (N,) may see: all others, less the guard of a block."""
     seen = fold_of != fold
     if responses.families is None:
         block = np.flatnonzero(~seen)

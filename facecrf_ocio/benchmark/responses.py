@@ -128,7 +128,7 @@ def _is_curves(array: Float) -> bool:
 
 
 def _checked(path: Path, curves: Float) -> Float:
-    """Resample to 1,024 values after refusing what is no inverse response."""
+    """Resample curves (N, C, K) to 1,024 values after refusing what is no inverse response."""
     ends = np.stack([curves[..., 0], curves[..., -1] - 1.0])
     good = (
         np.isfinite(curves).all(axis=(1, 2))

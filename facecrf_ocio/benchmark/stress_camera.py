@@ -138,7 +138,7 @@ def _guided(image: Image, epsilon: float) -> Image:
 
 
 def _encoded(light: Image, inverse: Float) -> Image:
-    """Code values in [0, 1], not rounded, by a table of 16-bit light."""
+    """Code values (H, W, 3) in [0, 1], not rounded, by a table of 16-bit light."""
     grid = np.linspace(0.0, 1.0, inverse.shape[1])
     levels = np.linspace(0.0, 1.0, _LEVELS)
     rising = inverse + np.arange(grid.size) * 1e-9

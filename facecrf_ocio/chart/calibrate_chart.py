@@ -153,7 +153,7 @@ def _place(photo: Photo, corners_xy: npt.ArrayLike | None) -> Float:
 
 
 def _chart(photo: Photo, place: Float, known: Float) -> tuple[Float, Patches]:
-    """The way of four in which the patches look most like the chart."""
+    """The way of four, a homography (3, 3), in which patches look most like (24, 3) known light."""
     seen = [(way, glance(photo.encoded, way)) for way in turned(place)]
     likely = [(_likeness(codes, known), way) for way, codes in seen if codes is not None]
     likeness, chosen = max(likely, key=lambda one: one[0], default=(-1.0, None))
@@ -170,7 +170,7 @@ def _chart(photo: Photo, place: Float, known: Float) -> tuple[Float, Patches]:
 
 
 def _likeness(codes: Float, known: Float) -> float:
-    """Mean correlation of code values with log2 light of a chart, over the channels."""
+    """Mean correlation of codes (24, 3) with log2 light (24, 3) of a chart, over the channels."""
     stops, spread = np.log2(np.maximum(known, 0.02)), codes.std(axis=0)
     if spread.min() == 0.0:
         return -1.0
@@ -181,7 +181,7 @@ def _likeness(codes: Float, known: Float) -> float:
 def _solve(
     photo: Photo, patches: Patches, known: Float, prior: FamilyPrior
 ) -> tuple[GrayFit, InverseCRF, Float]:
-    """The curve and the light on the chart, in turn: each needs the other."""
+    """The curve and log2 light on the 24 patches, in turn: each needs the other."""
     leanings = modern_leaning(photo.camera, photo.primaries), phone_leaning(photo.camera)
     weights = prior.weights_for("auto", *leanings)
     roots = np.tile(prior.roots(weights @ prior.means), (len(CHANNELS), 1))

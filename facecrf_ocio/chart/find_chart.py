@@ -43,13 +43,13 @@ def by_corners(corners_xy: npt.ArrayLike) -> Float:
 
 
 def turned(homography: Float) -> list[Float]:
-    """The four ways in which the grid may lie in those corners."""
+    """The four homographies (3, 3) by which the grid may lie in those corners."""
     corners = _apply(homography, np.array(_OUTER))
     return [by_corners(np.roll(corners, step, axis=0)) for step in range(4)]
 
 
 def find_chart(encoded: npt.NDArray[np.float32]) -> Float | None:
-    """As `by_corners`, of the surest chart with 24 patches in a picture; None without one."""
+    """As `by_corners`, of the surest chart of 24 patches in a picture (H, W, 3), or None."""
     mcc: Any = getattr(cv2, "mcc", None)
     scale = min(1.0, _SIDE / max(encoded.shape[:2]))
     height, width = (round(scale * edge) for edge in encoded.shape[:2])

@@ -115,7 +115,10 @@ def _equations(
 
 
 def _posterior(system: Float, target: Float, prior: FamilyPrior, weights: Float) -> Posterior:
-    """A Gaussian a component of the prior, as for any linear measurement."""
+    """A Gaussian a component of the prior, as for any linear measurement.
+
+    `system` (N, U) and `target` (N,) are in units of their noise.
+    """
     size, count = prior.means.shape[1], len(CHANNELS)
     own = np.concatenate(
         [np.full(count * size, APART**2), np.full(count, _EXPOSURE**2), [_GLARE_SPREAD**2]]

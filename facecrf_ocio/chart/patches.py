@@ -59,7 +59,10 @@ def glance(encoded: npt.NDArray[np.float32], homography: Float) -> Float | None:
 
 
 def measure_patches(encoded: npt.NDArray[np.float32], homography: Float) -> Patches | None:
-    """Look at the middle of every patch; None if some patch lies outside or has too few pixels."""
+    """Look at the middle of every patch of a picture (H, W, 3), where a homography (3, 3) has it.
+
+    None if some patch lies outside or has too few pixels.
+    """
     back = np.linalg.inv(homography)
     found = []
     for row in range(ROWS):
@@ -92,7 +95,7 @@ def _pixels(
 
 
 def _plane(codes: Float, places: Float) -> tuple[Float, Float, Float, Float, Bool]:
-    """Fit a plane to each channel, glints and dust left out: a row of `Patches`."""
+    """A plane through codes (N, 3) at places (N, 2) without glints and dust: a row of `Patches`."""
     design = np.column_stack([np.ones(len(places)), places])
     rows = []
     for channel in range(3):

@@ -21,13 +21,13 @@ _A, _B, _C = 0.17883277, 0.28466892, 0.55991073  # of HLG, table 5
 
 
 def decode_pq(encoded: npt.ArrayLike) -> Float:
-    """Light of a display, 1 being 10,000 cd/m2, of code values in [0, 1]."""
+    """Light (...) of a display, 1 being 10,000 cd/m2, of code values (...) in [0, 1]."""
     power = np.asarray(encoded, float) ** (1 / _M2)
     return np.asarray((np.maximum(power - _C1, 0) / (_C2 - _C3 * power)) ** (1 / _M1))
 
 
 def decode_hlg(encoded: npt.ArrayLike) -> Float:
-    """Light of the scene, 1 being the brightest, of code values in [0, 1]."""
+    """Light (...) of the scene, 1 being the brightest, of code values (...) in [0, 1]."""
     codes = np.asarray(encoded, float)
     return np.where(codes <= 0.5, codes**2 / 3, (np.exp((codes - _C) / _A) + _B) / 12)
 
@@ -38,7 +38,7 @@ def decode_log(encoded: npt.ArrayLike, decades: float) -> Float:
 
 
 def decode_film_scan(encoded: npt.ArrayLike) -> Float:
-    """Light of the scene of printing densities on a negative; none up to code 95 of 1023.
+    """Light (...) of the scene of printing densities on a negative; none up to code 95 of 1023.
 
     A card that reflects 90 % lies at code 685, where light is 0.074 of that at code 1023.
     """

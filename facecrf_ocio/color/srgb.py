@@ -20,7 +20,7 @@ def decode_srgb(encoded: npt.ArrayLike) -> Float:
 
 
 def encode_srgb(linear: npt.ArrayLike) -> Float:
-    """Code values of linear light, which is clamped to [0, 1]."""
+    """Code values (...) of linear light (...), which is clamped to [0, 1]."""
     light = np.clip(linear, 0.0, 1.0)
     curved = (1.0 + _OFFSET) * np.power(light, 1.0 / _POWER) - _OFFSET
     return np.where(light <= _LIGHT, _SLOPE * light, curved)

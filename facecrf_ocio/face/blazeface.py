@@ -38,7 +38,7 @@ def detect_blazeface(pixels: npt.NDArray[np.uint8], min_score: float) -> tuple[C
 
 
 def _fit_into_square(pixels: npt.NDArray[np.uint8]) -> tuple[npt.NDArray[np.float32], float]:
-    """Scale to the network's input at the top left, black around it, values from -1 to 1."""
+    """The image at the top left of (192, 192, 3), black around, from -1 to 1; and its scale."""
     height, width = pixels.shape[:2]
     scale = _SIDE / max(height, width)
     size = (max(1, round(width * scale)), max(1, round(height * scale)))
@@ -49,7 +49,10 @@ def _fit_into_square(pixels: npt.NDArray[np.uint8]) -> tuple[npt.NDArray[np.floa
 
 
 def _decode(logits: Float, boxes: Float, min_score: float) -> list[Candidate]:
-    """Boxes are center, width, height and six key points in pixels, relative to their anchor."""
+    """Candidates of logits (2304,) and boxes (2304, 16).
+
+    A box is center, width, height and six key points in pixels, relative to its anchor.
+    """
     scores = 1.0 / (1.0 + np.exp(-np.clip(logits, -60.0, 60.0)))
     result = []
     for index in np.flatnonzero(scores >= min_score):

@@ -126,7 +126,7 @@ def _roll(eyes: Float) -> Float:
 
 
 def _bounding_square(points: Float, rotation: Float) -> tuple[Float, float]:
-    """Center and longer side of the turned box around the points."""
+    """Center (2,) and longer side of the turned box around points (N, 2)."""
     aligned = points @ rotation
     low, high = aligned.min(axis=0), aligned.max(axis=0)
     return rotation @ ((low + high) / 2), float((high - low).max())
@@ -170,6 +170,6 @@ def _run(crop: npt.NDArray[np.float32]) -> tuple[Float, float]:
 
 
 def _to_photo(landmarks: Float, to_photo: Float) -> Float:
-    """Move x and y by the similarity, and give z its scale."""
+    """Move x and y of landmarks (N, 3) by the similarity (2, 3), and give z its scale."""
     xy = landmarks[:, :2] @ to_photo[:, :2].T + to_photo[:, 2]
     return np.column_stack([xy, landmarks[:, 2] * np.hypot(*to_photo[:, 0])])

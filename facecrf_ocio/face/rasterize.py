@@ -153,7 +153,10 @@ def _evaluate(planes: Float, face: Index, row: Index, column: Index) -> Float:
 
 
 def _covered_rows(corners: Float, faces: Index, height: int) -> tuple[Index, Index]:
-    """All pairs (face, row) where the row's centers lie between the face's top and bottom."""
+    """All pairs (face, row), where the row's centers lie between the top and bottom of a face.
+
+    `corners` (F, 3, 2) are in pixels; of them those of `faces` (N,) are asked.
+    """
     y = corners[faces, :, 1]
     first, stop = _centers_between(y.min(axis=1), y.max(axis=1), height)
     item, row = _expand(first, stop)
@@ -185,7 +188,7 @@ def _crossing(start: Float, end: Float, y: Float) -> Float:
 
 
 def _centers_between(low: Float, high: Float, size: int) -> tuple[Index, Index]:
-    """First and one past the last pixel whose center lies in [low, high)."""
+    """First and one past the last of `size` pixels whose center lies in [low, high), each (N,)."""
     first = np.clip(np.ceil(low - 0.5), 0, size).astype(np.intp)
     stop = np.clip(np.ceil(high - 0.5), 0, size).astype(np.intp)
     return first, stop
@@ -200,7 +203,7 @@ def _expand(first: Index, stop: Index) -> tuple[Index, Index]:
 
 
 def _nearest(depth: Float, pixel: Index) -> Index:
-    """Indices of the candidates that win their pixel: the smallest depth, then the last face."""
+    """Indices of candidates (N,) that win their pixel: the smallest depth, then the last face."""
     buffer = np.full(int(pixel.max(initial=-1)) + 1, np.inf)
     np.minimum.at(buffer, pixel, depth)
     candidate = np.flatnonzero(depth == buffer[pixel])

@@ -72,7 +72,7 @@ def find_skin(
 
 
 def _hue_mode(hue: npt.NDArray[np.float32]) -> tuple[float, npt.NDArray[np.float64]]:
-    """Center of the fullest bin of a circular histogram, smoothed over three bins."""
+    """Center [degree] of the fullest bin of hues (N,), smoothed over three; each bin's share."""
     bins = int(360.0 / HUE_BIN)
     counts = np.bincount((hue / HUE_BIN).astype(np.intp) % bins, minlength=bins)
     smooth = counts + np.roll(counts, 1) + np.roll(counts, -1)

@@ -41,7 +41,7 @@ def detect_yunet(pixels: npt.NDArray[np.uint8], min_score: float) -> tuple[Candi
 
 
 def _candidate(row: npt.NDArray[np.float32]) -> Candidate:
-    """Columns: x, y, width, height, then x, y of eyes, nose and mouth corners, then the score."""
+    """(15,): x, y, width, height, then x, y of eyes, nose and mouth corners, then the score."""
     return Candidate(
         center_xy=row[:2] + row[2:4] / 2,
         size_xy=row[2:4],

@@ -233,7 +233,7 @@ def _rows_of(linear: Pixels) -> Rows:
 
 
 def _finished(linear: Pixels, photo: Photo, begin: int, end: int) -> Pixels:
-    """Rows as they go into the file: multiplied by alpha."""
+    """Rows (H, W, 3) as they go into the file: multiplied by alpha, which comes fourth."""
     if photo.alpha is not None:
         alpha = photo.alpha[begin:end, :, None]
         linear = np.concatenate([linear * alpha, alpha], axis=2, dtype=np.float32)

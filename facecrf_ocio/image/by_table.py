@@ -34,7 +34,7 @@ def opencv_look_up(codes: Any, table: Pixels, out: Pixels) -> None:
 
 
 def numpy_look_up(codes: Pixels, table: Pixels, out: Pixels) -> None:
-    """Do the same with NumPy."""
+    """Do the same with NumPy: (H, W, C) codes through a table (K, C) into `out` (H, W, C)."""
     for channel in range(codes.shape[2]):
         column = np.ascontiguousarray(table[:, channel])
         out[..., channel] = np.take(column, codes[..., channel])

@@ -39,7 +39,7 @@ def bend_profile(*counts: Float) -> Float:
 
 
 def _profile(lines: Float) -> Float:
-    """The 18 numbers of one size."""
+    """The 18 numbers of one size, from its counts (8, 11)."""
     matrix, right = lines[:, :SOFT_LEVELS], lines[:, SOFT_LEVELS]
     edges, squares = 0.5 * lines[:, SOFT_LEVELS + 1 :].sum(axis=0)  # each stands at two levels
     offset = np.linalg.solve(matrix + _FEW * np.eye(SOFT_LEVELS), right - matrix @ _USUAL)

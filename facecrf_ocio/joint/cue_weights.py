@@ -20,7 +20,8 @@ def agreeing_shares(
     """Share of each message, at most 1: what its distance from all the others leaves of it.
 
     The distance is measured between a message and the posterior without it, in units of both
-    spreads; the share is the weight of a multivariate t distribution at that distance.
+    spreads; the share is the weight of a multivariate t distribution at that distance. `weights`
+    (C,) are those of the prior's components.
     """
     if len(messages) < 2:
         return dict.fromkeys(messages, 1.0)
@@ -39,7 +40,7 @@ def agreeing_shares(
 
 
 def shares_at(distances: Float, coefficients: int) -> Float:
-    """Weight of a multivariate t distribution at squared distances, at most 1."""
+    """Weight of a multivariate t distribution at squared distances (...), at most 1."""
     return np.asarray(np.minimum(1.0, (_FREEDOM + coefficients) / (_FREEDOM + distances)))
 
 

@@ -68,6 +68,6 @@ def soft_edge_profile(*counts: Float) -> Float:
 
 
 def _places(number: Float, total: Float, few: float) -> tuple[Float, Float]:
-    """How far middles lie above halfway, by trust, and the trust, of each pair of levels."""
+    """How far middles lie above halfway, by trust, and the trust, of each pair of levels (E,)."""
     trust = number / (number + few)
     return (total / np.maximum(number, 1.0) - 0.5) * trust, trust

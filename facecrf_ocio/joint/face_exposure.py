@@ -48,7 +48,7 @@ def stretch_of_exposure(coverage: Float) -> float:
 
 
 def _shares(coverage: Float) -> tuple[float, float, float]:
-    """Of the evidence below, at, and above codes 64 to 235; zeros where none is known."""
+    """Of the evidence (3, 64) below, at, and above codes 64 to 235; zeros where none is known."""
     low, high = (int(code * COVERAGE_BINS / len(CODES)) for code in MID_CODES)
     whole = max(float(coverage.sum()), 1e-12)
     below, at, above = np.split(coverage.sum(axis=0) / whole, (low, high + 1))

@@ -102,7 +102,7 @@ def _is_swapped(view: FaceView, pixels: Pixels) -> bool:
 
 
 def _bluer(blue: Float32, green: Float32) -> Float:
-    """Log ratio of encoded values, which a code more in each keeps from that of nothing."""
+    """Log ratios (N,) of encoded values (N,); a code more in each keeps from that of nothing."""
     return np.asarray(np.log((255.0 * blue + 1.0) / (255.0 * green + 1.0)))
 
 

@@ -58,7 +58,8 @@ def fuse_photos(
     Photos are averaged as posteriors and not multiplied as likelihoods: the networks were trained
     for what one photo's messages leave of the prior, and several photos share what is wrong in it.
     The posterior of each is widened by its stretch. What is known of their camera is the same
-    message for all of them, and counts once at the end.
+    message for all of them, and counts once at the end. `weights` (C,) are those of the prior's
+    components before any photo.
     """
     of_photos: dict[str, Message] = {}
     outvoted = []

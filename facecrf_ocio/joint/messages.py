@@ -46,11 +46,11 @@ class CueNetwork:
     layers: tuple[tuple[Float, Float], ...]
 
     def standardized(self, statistics: Float) -> Float:
-        """Statistics in standard deviations of those in training."""
+        """Statistics (S,) in standard deviations of those in training."""
         return np.clip((statistics - self.center) / self.scale, -FARTHEST, FARTHEST)
 
     def message(self, statistics: Float) -> Message:
-        """What the cue says of one photo."""
+        """What the cue says of one photo, by its statistics (S,)."""
         hidden = self.standardized(statistics)
         for weight, bias in self.layers[:2]:
             hidden = np.tanh(weight @ hidden + bias)

@@ -193,7 +193,7 @@ class FamilyPrior:
         return np.asarray(of_family / weights.sum())
 
     def posterior(self, message: Message | None, weights: Float) -> Posterior:
-        """What a likelihood leaves of the prior."""
+        """What a likelihood leaves of the prior, whose components have these weights (C,)."""
         before = Posterior(weights, self.means, self.covariances)
         return before if message is None else before.times(message, _precisions(self))
 

@@ -80,7 +80,7 @@ def toned(pixels: Pixels, settings: JointSettings) -> Lacking | str:
 
 
 def strange_skin(pixels: Pixels, box_xy: Float) -> str:
-    """Why a face has nobody's color, in a clause; empty where it may be somebody's.
+    """Why a face in a box (4,) [px] has nobody's color, in a clause; empty where it may have.
 
     Blood makes skin red under any light that is taken for white. In a negative it is blue, and
     where a program took red for blue; green, where it took red for that.
@@ -122,7 +122,7 @@ def middle_codes(pixels: Pixels) -> npt.NDArray[np.uint8]:
 
 
 def has_few_colors(codes: npt.NDArray[np.uint8], fewest: int) -> bool:
-    """Whether there are fewer colors, and apart: those of a photo, if dark, are next to each other.
+    """Whether codes (H, W, 3) are of fewer colors, and apart: those of dark photos are neighbors.
 
     Of a photograph, few of its pixels have as many already.
     """
@@ -149,7 +149,7 @@ def are_dense(colors: npt.NDArray[np.uint8]) -> bool:
 
 
 def flat_share(codes: npt.NDArray[np.uint8]) -> float:
-    """Share of the pixels not clipped that equal those to the right and below in all channels."""
+    """Share of unclipped pixels (H, W, 3) that equal those to the right and below, in all."""
     codes = packed(codes)
     color = _packed(codes)
     here = color[:-1, :-1]
@@ -234,7 +234,7 @@ def _about_a_curve(luma: Float, color: Float) -> Float:
 
 
 def _shared(left: Float, usable: Bool, lag: int) -> float:
-    """Mean product of what is left at pixels that lie `lag` samples apart; not below 0."""
+    """Mean product of what is left (C, H, W) at usable pixels `lag` samples apart; not below 0."""
     total, count = 0.0, 0
     rows, columns = np.s_[:-lag, :], np.s_[:, :-lag]
     for here, there in ((columns, np.s_[:, lag:]), (rows, np.s_[lag:, :])):

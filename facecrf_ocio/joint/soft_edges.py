@@ -216,6 +216,6 @@ def _level(codes: Plane) -> Places:
 
 
 def _add(found: Float, cells: Places, weights: Plane | None) -> None:
-    """Add weights, 1 each if None, to the cells of an array."""
+    """Add weights, 1 each if None, to the cells of an array, which are flat indices of it."""
     told = None if weights is None else weights.ravel()
     found += np.bincount(cells.ravel(), told, found.size).reshape(found.shape)

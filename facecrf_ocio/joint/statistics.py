@@ -162,14 +162,17 @@ def _shading(skin: Float) -> Float:
 
 
 def _highlights(bare: Float) -> Float:
-    """Color of the brightest bare skin, where reflected light is added to the skin's own."""
+    """Color of the brightest of bare skin (N, 3), where reflected light is added to its own."""
     luma = _brightness(bare)
     limits = quantiles_of(luma, (*HIGHLIGHT_QUANTILES, 0.4))
     return np.concatenate([bare.compress(luma >= limit, axis=0).mean(axis=0) for limit in limits])
 
 
 def _pigments(skin: Float) -> Float:
-    """Spread of skin color within each brightness: the pigments' contrasts in encoded logs."""
+    """Spread of the color of skin (N, 3), dark to bright, within each brightness.
+
+    These are the pigments' contrasts in encoded logs, three numbers a brightness.
+    """
     numbers = []
     for part in np.array_split(skin, PIGMENT_BINS):
         logs = np.log(np.maximum(part, _DARKEST))
@@ -228,7 +231,7 @@ def _exposure(counts: NoiseCounts) -> Float:
 
 
 def _eyes(view: FaceView, skin: Float) -> Float | None:
-    """Luma quantiles in the eyes, from pupil to sclera, beside the skin's.
+    """Luma quantiles in the eyes, from pupil to sclera, beside those of skin (N, 3).
 
     None where they are closed or too small to be seen.
     """
@@ -249,7 +252,7 @@ def _eyes(view: FaceView, skin: Float) -> Float | None:
 
 
 def _opening(vertices: Float) -> float:
-    """Height over width of the wider opened eye."""
+    """Height over width of the wider opened eye, of the face's vertices (V, 3)."""
     ratios = []
     for outer, inner, upper, lower in (_RIGHT_LIDS, _LEFT_LIDS):
         width = float(np.linalg.norm(vertices[outer, :2] - vertices[inner, :2]))

@@ -27,7 +27,7 @@ def face_windows(landmarks_xyz: Float, height: int, width: int) -> list[Window]:
     Parameters
     ----------
     landmarks_xyz
-        In pixels of the photo.
+        (N, 3) in pixels of the photo.
     height, width
         Of the photo.
     """

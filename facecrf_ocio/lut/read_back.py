@@ -167,7 +167,7 @@ def _held(curve: InverseCRF, direction: str, encoding: Encoding, shift: float = 
 
 
 def _different(nodes: Float, values: Float) -> int:
-    """How many channels there are to look at: one where the others are like it."""
+    """How many channels (of rows (3, K)) there are to look at: one where the others are like it."""
     alike = all((rows == rows[0]).all() for rows in (nodes, values))
     return 1 if alike else len(nodes)
 

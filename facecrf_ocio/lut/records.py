@@ -127,7 +127,7 @@ def space_by_matrix(processor: Any) -> Primaries | None:
 
 
 def _to_xyz(*space: tuple[float, float]) -> npt.NDArray[np.float64]:
-    """Matrix to CIE XYZ of D65."""
+    """(3, 3) matrix to CIE XYZ of D65, from xy of red, green, blue and white."""
     *rgb, white = space
     if white == CIE_XYZ.white:
         return np.eye(3)

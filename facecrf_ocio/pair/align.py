@@ -84,14 +84,14 @@ def _scaled(image: Image, scale: float) -> Image:
 
 
 def _by_sizes(source: Image, target: Image) -> Float:
-    """The homography from target to source pixels if both show the same frame."""
+    """The homography (3, 3) from target to source pixels if both show the same frame."""
     (height, width), (to_height, to_width) = source.shape[:2], target.shape[:2]
     x, y = width / to_width, height / to_height
     return np.array([[x, 0, 0.5 * x - 0.5], [0, y, 0.5 * y - 0.5], [0, 0, 1]])
 
 
 def _by_features(source: Image, target: Image) -> list[Float]:
-    """The homography from target to source pixels that most matched features agree on, if any."""
+    """The homography (3, 3) from target to source pixels that most matches agree on, if any."""
     sift = cv2.SIFT_create(4000)  # type: ignore[attr-defined]
     found = [sift.detectAndCompute(_bytes(ranks(image)), None) for image in (target, source)]
     (points, descriptors), (to_points, to_descriptors) = found
@@ -117,7 +117,7 @@ def _bytes(image: Image) -> npt.NDArray[np.uint8]:
 
 
 def _refined(source: Image, target: Image, start: Float) -> Aligned:
-    """Bring the source near to the target's scale, refine the homography, and warp."""
+    """Bring the source near to the target's scale, refine the homography (3, 3), and warp."""
     area = abs(float(np.linalg.det(start[:2, :2])))
     if area > 1.2:
         scale = 1 / np.sqrt(area)

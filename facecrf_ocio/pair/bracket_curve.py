@@ -143,7 +143,7 @@ def solve_bracket(
 
 
 def _jackknife(apart: list[Float]) -> list[Float]:
-    """Deviations by curves without some photos, from their differences to that of all."""
+    """Deviations by curves without some photos, from their differences (...) to that of all."""
     if len(apart) < 2:
         return []
     scale = np.sqrt(1.0 - 1.0 / len(apart))
@@ -253,7 +253,7 @@ def _curve(fit: ExposureFit, seen: list[tuple[float, float]]) -> InverseCRF:
 
 
 def _going_on(own: Float, other: Float, inside: Bool) -> Float:
-    """As far as points lie its own, above it in proportion to another curve."""
+    """A curve (K,), its own as far as points lie (K,), above it in proportion to another (K,)."""
     last = int(np.flatnonzero(inside)[-1])
     return np.concatenate([own[:last], other[last:] * own[last] / other[last]])
 
@@ -264,7 +264,10 @@ def _log_difference(one: InverseCRF, other: InverseCRF) -> Float:
 
 
 def _covered(codes: Float, clear: Bool) -> float:
-    """Share of the code values that a point lies near, in the channel where it is least."""
+    """Share of the code values that a point lies near, in the channel where it is least.
+
+    `codes` (J, P, 3) count where they are `clear` (J, P).
+    """
     shares = []
     for channel in range(len(CHANNELS)):
         hit = np.zeros(CODES)

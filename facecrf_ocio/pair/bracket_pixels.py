@@ -193,7 +193,7 @@ def _farthest(warp: Float, shape: tuple[int, ...]) -> float:
 
 
 def _ranks_within(image: Image, both: Bool) -> Image:
-    """Luminance by its rank among pixels that two photos show: alike in both."""
+    """Luminance (H, W) by its rank among pixels (H, W) that two photos show: alike in both."""
     luminance = image @ np.array([0.3, 0.6, 0.1], np.float32)
     order = np.sort(luminance[both])
     order = order[:: max(1, order.size // 4096)]
@@ -238,7 +238,10 @@ def _central(shape: tuple[int, ...]) -> Bool:
 
 
 def _chosen(codes: Float, usable: Bool) -> npt.NDArray[np.intp]:
-    """Indices of patches: for each photo some of each range of codes, evenly by chance."""
+    """Indices of patches: for each photo some of each range of codes, evenly by chance.
+
+    `codes` (J, P, 3) of J photos count where they are `usable` (J, P).
+    """
     generator = np.random.default_rng(0)
     kept = np.zeros(usable.shape[1], np.bool_)
     most = max(4, _PER_BIN // len(codes))
@@ -251,5 +254,5 @@ def _chosen(codes: Float, usable: Bool) -> npt.NDArray[np.intp]:
 
 
 def with_stops(bracket: SmallBracket, stops: Float) -> SmallBracket:
-    """The same photos with exposures refined by the pixels."""
+    """The same photos with exposures (J,) [stop] refined by the pixels."""
     return replace(bracket, stops=stops)

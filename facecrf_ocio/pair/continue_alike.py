@@ -45,7 +45,7 @@ def continued_alike(
 
 
 def _going_on(linear: Float, guide: Float, grid: Float, top: float) -> Float:
-    """Up to `top` as it is, above it in proportion to the guide."""
+    """Linear light (K,) up to the code `top` as it is, above in proportion to the guide (K,)."""
     at_top = np.interp(top, grid, linear) / np.interp(top, grid, guide)
     return np.where(grid <= top, linear, at_top * guide)
 

@@ -167,7 +167,7 @@ def _weights(values: _Values, solution: Float) -> tuple[Float, float, float]:
 def _centered(rows: Float, weights: Float, first: Index) -> Float:
     """Rows less their weighted mean over each point, which takes out the point's own light.
 
-    Rows of a point follow each other; `first` holds the place of its first.
+    Rows (N, U) of a point follow each other; `first` (P,) holds the place of its first.
     """
     sums = np.add.reduceat(rows * weights[:, None], first)
     total = np.maximum(np.add.reduceat(weights, first), 1e-9)
@@ -176,7 +176,7 @@ def _centered(rows: Float, weights: Float, first: Index) -> Float:
 
 
 def _normal(rows: list[Float], weights: Float, shots: int) -> Float:
-    """Sum of the channels' normal equations, each with a spline of its own."""
+    """Sum (U, U) of the normal equations of channels' rows (N, ...), each with its own spline."""
     size = len(CHANNELS) * _SIZE + shots
     total = np.zeros((size, size))
     for channel, (a, w) in enumerate(zip(rows, weights, strict=True)):
@@ -216,7 +216,7 @@ def _held(stops: Float, told: Float, linked: Index) -> _Held:
 
 
 def _stretch(departures: Float, held: _Held) -> float:
-    """Standard error of the slope of true exposures over those given, by how these depart."""
+    """Standard error of the slope of true exposures over those given, by departures [stop]."""
     several = (held.share > 0.0).sum(axis=1) > 1
     share, depth = held.share[several], held.depth[several]
     if not share.size or not (share * depth**2).sum() > 0.0:
@@ -229,7 +229,10 @@ def _stretch(departures: Float, held: _Held) -> float:
 
 
 def _prior(stops: Float, smoothness: float, held: _Held) -> tuple[Float, Float]:
-    """Splines that bend as responses do, 0 in mid-range; exposures near those given."""
+    """Splines that bend as responses do, 0 in mid-range; exposures near those given (J,) [stop].
+
+    As normal equations: matrix (U, U) and right side (U,).
+    """
     size = len(CHANNELS) * _SIZE + len(stops)
     matrix, right = 1e-9 * np.eye(size), np.zeros(size)
     second = np.diff(np.eye(_SIZE), 2, axis=0)

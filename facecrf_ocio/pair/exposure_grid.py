@@ -87,7 +87,7 @@ def _factor(values: Sequence[float], grids: Sequence[tuple[Float, Float]]) -> Fl
 
 
 def _grid(names: Sequence[float], first: float, step: float) -> tuple[Float, Float]:
-    """log2 of names and of what they stand for, from the stop of the first on."""
+    """log2 of N names and of what they stand for, from the stop of the first on; each (N,)."""
     return np.log2(np.asarray(names, np.float64)), first + step * np.arange(len(names))
 
 

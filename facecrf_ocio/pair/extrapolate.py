@@ -44,7 +44,10 @@ def continued(curve: Float, seen: Bool, model: ResponseModel) -> Float:
 
 
 def _nearest(curve: Float, seen: Bool, base: Float, model: ResponseModel) -> tuple[float, Float]:
-    """Minimize |s curve - base - c H|^2 where seen, plus |c|^2 in units of its spread."""
+    """Minimize |s curve - base - c H|^2 where seen, plus |c|^2 in units of its spread.
+
+    Returns the misfit and `base + c H`; `curve`, `seen` and `base` are (K,).
+    """
     spread = np.sqrt(np.diagonal(model.mixture.covariances, axis1=1, axis2=2).mean(axis=0))
     weight = 1 / (_TOLERANCE * np.sqrt(seen.sum()))
     rows = weight * np.column_stack([curve[seen], -(model.basis * spread[:, None])[:, seen].T])

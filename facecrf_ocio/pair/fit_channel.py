@@ -109,7 +109,7 @@ def _typical_increments(typical: Float, knots: Float, count: int) -> Float:
 
 
 def _halves(values: Float, encoded: Float) -> Float:
-    """Mean of the values of the brighter half of the samples less that of the darker half."""
+    """Mean of values (N, ...) of the brighter half of samples (N,) less that of the darker half."""
     order = np.argsort(encoded)
     half = len(order) // 2
     return np.asarray(values[order[half:]].mean(axis=0) - values[order[:half]].mean(axis=0))
@@ -122,7 +122,10 @@ def _gain(samples: Samples, coefficients: Float, knots: Float, channel: int) -> 
 
 
 def _prior_rows(expected: Float, contrast: Float, gain: float, channel: int) -> Float:
-    """Weak knowledge: even ratio to the typical slopes, small crosstalk; last: contrast is 1."""
+    """Weak knowledge: even ratio to the typical slopes (I,), small crosstalk; last: contrast is 1.
+
+    Rows (N, I + 3), of I increments of the curve and three gains.
+    """
     size = expected.size
     ratios = np.hstack([np.diag(1 / expected), np.zeros((size, 3))])
     smooth = _STIFFNESS * np.diff(ratios, axis=0)
@@ -133,7 +136,7 @@ def _prior_rows(expected: Float, contrast: Float, gain: float, channel: int) -> 
 
 
 def _solve(rows: Float, increments: int) -> tuple[Float, Float]:
-    """Least squares of rows @ x = 0, but the last row's = 1, the first `increments` positive."""
+    """Least squares of rows (N, U) @ x = 0, the last row's = 1, the first `increments` positive."""
     system = rows.copy()
     system[-1] *= _NORMALIZATION
     right = np.zeros(len(rows))

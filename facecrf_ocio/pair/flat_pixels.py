@@ -53,7 +53,7 @@ def choose_samples(aligned: Aligned) -> tuple[Samples, Samples, Samples]:
 
 
 def _unclipped(aligned: Aligned) -> Bool:
-    """Pixels at which, and beside which, neither picture is clipped."""
+    """(H, W) True at which, and beside which, neither picture is clipped."""
     top = float(aligned.linear.max())
     bad = ~aligned.both
     bad |= (aligned.encoded > CLIPPED).any(axis=2)
@@ -63,7 +63,7 @@ def _unclipped(aligned: Aligned) -> Bool:
 
 
 def _roughness(aligned: Aligned, channel: int) -> Float:
-    """Local standard deviation of the code values."""
+    """(H, W) local standard deviation of the encoded values of a channel."""
     plane = aligned.encoded[..., channel].astype(np.float64)
     size = (2 * _BLUR - 1, 2 * _BLUR - 1)
     mean = cv2.blur(plane, size)

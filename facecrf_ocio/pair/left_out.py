@@ -32,7 +32,10 @@ LeftOut = tuple[Index, ExposureFit]  # indices of some photos, and the fit witho
 def fits_without(
     codes: Float, clear: Bool, given: Float, whole: ExposureFit
 ) -> tuple[LeftOut, ...]:
-    """Fit without each photo, or group of neighbors in exposure; `whole` is the fit of all."""
+    """Fit without each photo, or group of neighbors in exposure; `whole` is the fit of all.
+
+    `codes` (J, P, 3) of J photos count where they are `clear` (J, P); `given` (J,) [stop].
+    """
     groups = np.array_split(np.argsort(given, kind="stable"), min(_MOST, len(given)))
     found = []
     for group in groups:
@@ -63,7 +66,7 @@ def false_exposure(
 
 
 def _tried(codes: Float, clear: Bool, given: Float, photo: int) -> tuple[float, int, float]:
-    """Departure of a photo over that of the others without it, its index, and its departure."""
+    """Departure of a photo over that of the others without it, its index, its departure [stop]."""
     others = clear.copy()
     others[photo] = False
     others &= others.sum(axis=0) >= 2

@@ -123,7 +123,7 @@ def refined_stops(bracket: SmallBracket, curve: InverseCRF, *, center_only: bool
 
 
 def _weights(codes: Image, curve: InverseCRF, stops: Float, index: int) -> Image:
-    """Inverse variance of each pixel's light; outside of a moved photo nothing."""
+    """(H, W, 3) inverse variance of each pixel's light; outside of a moved photo nothing."""
     slope = np.gradient(curve.linear, curve.encoded, axis=1)
     variance = (slope * _PIXEL_NOISE) ** 2 + _PHOTON * curve.linear + _READ
     weight = _by_code(codes, curve, 4.0 ** stops[index] / variance)
@@ -158,7 +158,7 @@ class _Bounds(NamedTuple):
 
 
 def _bounds(codes: Image, curve: InverseCRF, sigma: Float | None, stops: float) -> _Bounds:
-    """What a photo says of the light of the reference.
+    """What a photo, `stops` above the reference, says of the light of that.
 
     A code that is clipped, or next to one, says how much there is at least; one that is drowned
     how much at most; and what lies outside of a moved photo says nothing.
@@ -186,7 +186,7 @@ def _doubt(curve: InverseCRF, sigma: Float | None) -> Float:
 
 
 def _moved(shown: _Bounds, known: _Bounds | None) -> Bool:
-    """Where a photo shows something else than those before it, grown by a few pixels."""
+    """(H, W) where a photo shows something else than those before it, grown by a few pixels."""
     if known is None:
         return np.zeros(shown.least.shape[:2], np.bool_)
     apart = (shown.least > known.most) | (shown.most < known.least)
@@ -196,7 +196,7 @@ def _moved(shown: _Bounds, known: _Bounds | None) -> Bool:
 
 
 def _narrowed(known: _Bounds | None, shown: _Bounds, gone: Bool) -> _Bounds:
-    """The bounds that all photos so far leave."""
+    """The bounds that all photos so far leave; where one is `gone` (H, W), those of the others."""
     if known is None:
         return shown
     least, most = np.maximum(known.least, shown.least), np.minimum(known.most, shown.most)

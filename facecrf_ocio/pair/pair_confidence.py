@@ -93,7 +93,7 @@ def _in_stops(found: InverseCRF, spreads: Float, depth: Float, unseen: Float) ->
 
 
 def _spreads(encoded: Float, residual: Float) -> tuple[Float, Float, Float]:
-    """Centers, robust standard deviations and counts of the ranges of codes of coverage."""
+    """Centers, robust standard deviations and counts of the ranges of coverage, each (64,)."""
     size = COVERAGE_BINS
     bins = np.clip((encoded * size).astype(np.intp), 0, size - 1)
     counts = np.bincount(bins, minlength=size).astype(np.float64)

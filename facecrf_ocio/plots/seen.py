@@ -17,7 +17,7 @@ UNSEEN = "dashed: codes without evidence"
 
 
 def seen_codes(estimate: Estimate, channel: int) -> Bool:
-    """Which codes of an estimate's curve the photo has evidence for; all of a fixed curve."""
+    """(K,) which codes of an estimate's curve the photo has evidence for; all of a fixed curve."""
     told, curve = estimate.confidence, estimate.curve
     if told is None or not told.coverage[channel].any():
         return np.ones(curve.encoded.size, bool)

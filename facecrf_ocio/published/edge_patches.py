@@ -140,7 +140,7 @@ def _quality(patch: EdgePatch) -> float:
 
 
 def _edge_map(encoded: npt.NDArray[np.float32]) -> Mask:
-    """Canny edges of the channel that changes most; 1 at an edge."""
+    """(H, W) Canny edges of the channel that changes most; 1 at an edge."""
     codes = cv2.convertScaleAbs(encoded, alpha=255.0)
     smooth = cv2.GaussianBlur(codes, (3, 3), 0.0)
     return np.asarray(cv2.Canny(smooth, *CANNY_THRESHOLDS) > 0, dtype=np.uint8)
@@ -174,7 +174,7 @@ def _first_of_each_cell(inner: Bool) -> Index:
 
 
 def _crossed_once(edges: Mask, corners: Index) -> Index:
-    """Windows that an edge enters at one place and leaves at one other.
+    """Windows, by corners (N, 2) [row, column], that an edge enters once and leaves once.
 
     A third edge that joins within the band would hide a third color among the blends.
     """
@@ -206,7 +206,10 @@ def _two_region_windows(band: Mask, corners: Index) -> tuple[Index, npt.NDArray[
 def _examine(
     encoded: npt.NDArray[np.float32], corners: Index, labels: npt.NDArray[np.int32]
 ) -> list[EdgePatch]:
-    """Patches of the windows whose regions and edge pixels pass the tests."""
+    """Patches of the windows whose regions and edge pixels pass the tests.
+
+    `corners` (N, 2) [row, column]; `labels` (N, 15, 15) of regions, 0 at edge pixels.
+    """
     offset = np.arange(WINDOW)
     rows = corners[:, :1, None] + offset[:, None]
     columns = corners[:, 1:, None] + offset
@@ -244,7 +247,7 @@ def _usable(windows: Float, regions: Float, deviations: Float) -> Bool:
 
 
 def _blended_pixels(pixels: Float, regions: Float, deviation: float) -> Float | None:
-    """Edge pixels between the region colors, in order; None where they are no blend."""
+    """Edge pixels (N, 3) between region colors (2, 3), in order; None where they are no blend."""
     tolerance = max(TOLERANCE, 3.0 * deviation)
     low, high = regions.min(axis=0) - tolerance, regions.max(axis=0) + tolerance
     if ((pixels < low) | (pixels > high)).any():
@@ -261,7 +264,7 @@ def _blended_pixels(pixels: Float, regions: Float, deviation: float) -> Float | 
 
 
 def _in_step(blends: Float, regions: Float, tolerance: float) -> bool:
-    """Whether no channel falls back while the leading channel goes on."""
+    """Whether no channel of blends (N, 3) falls back while the leading channel goes on."""
     forward = blends * np.sign(regions[1] - regions[0])
     fallback = np.maximum.accumulate(forward, axis=0) - forward
     return float(fallback.max()) <= 2.0 * tolerance

@@ -91,7 +91,7 @@ def _independent_directions(chromaticity: Float) -> Float:
 
 
 def _least_gaussian_angle(white: Float) -> float:
-    """Rotation in [0, 90) degrees that maximizes the negentropy of both components."""
+    """Rotation [rad] below a right angle that maximizes both components' negentropy."""
     step = np.pi / 2.0 / ANGLES
     coarse = _best_angle(white, np.arange(ANGLES) * step)
     return _best_angle(white, coarse + np.linspace(-step, step, 2 * FINER + 1))

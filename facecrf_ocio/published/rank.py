@@ -88,7 +88,7 @@ def polynomial_basis(grid: Float, degree: int) -> Float:
 
 
 def _descend(term: Term, grid: Float, basis: Float, start: Float) -> Float:
-    """Coefficients of the nearest minimum among rising curves."""
+    """Coefficients of the nearest minimum among rising curves, of the shape of `start`."""
     # Codes lie closer together toward 0 and 1, where polynomials turn fastest.
     turns = np.linspace(0.0, np.pi, RISING_INTERVALS + 1)
     codes = np.unique(((grid.size - 1) * (1.0 - np.cos(turns)) / 2.0).round().astype(np.intp))

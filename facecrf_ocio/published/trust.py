@@ -31,6 +31,6 @@ def fitted_confidence(estimator: Estimator, encoded: Float, model: ResponseModel
 
 
 def _coverage(values: Float, codes: Float) -> Float:
-    """Evidence near each code, relative to where it is densest."""
+    """(K,) evidence near each of codes (K,), relative to where it is densest."""
     smooth = np.convolve(np.pad(coverage_counts(values), 1), [0.25, 0.5, 0.25], mode="valid")
     return coverage_at(codes, smooth)

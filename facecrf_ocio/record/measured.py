@@ -50,7 +50,7 @@ def entry(camera: Camera, estimate: Estimate, proof: str) -> KnownCamera:
 
 
 def rounded(rows: Iterable[Float]) -> tuple[tuple[float, ...], ...]:
-    """Linear light as a registry tells it: six digits."""
+    """Rows (K,) of linear light as a registry tells it: six digits."""
     return tuple(tuple(float(f"{value:.6g}") for value in row) for row in rows)
 
 
@@ -62,5 +62,5 @@ def spread_stops(curve: InverseCRF, told: Confidence) -> float:
 
 
 def spread_codes(encoded: Float) -> npt.NDArray[np.bool_]:
-    """Which encoded values a registry tells a spread of: codes 32 to 235."""
+    """(K,) which encoded values (K,) a registry tells a spread of: codes 32 to 235."""
     return np.asarray((encoded >= 32 / 255) & (encoded <= 235 / 255))

@@ -51,7 +51,7 @@ class Mixture:
         return np.asarray((share[..., None] * self._pulls(points)[1]).sum(axis=-2))
 
     def _pulls(self, points: Float) -> tuple[Float, Float]:
-        """Offsets from every mean, and the gradients of the components' log densities there."""
+        """Offsets of points (..., M) from means (..., C, M), and log densities' gradients there."""
         offset = points[..., None, :] - self.means
         return offset, -(self._precisions @ offset[..., None])[..., 0]
 

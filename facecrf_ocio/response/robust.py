@@ -12,7 +12,7 @@ _OF_MEDIAN = 1.4826  # standard deviation of Gaussian residuals by the median of
 
 
 def biweight(residuals: Float, scale: float) -> Float:
-    """Weights from 1 to 0 of residuals of a standard deviation `scale`, by Tukey's biweight."""
+    """Weights (...) from 1 to 0 of residuals (...) of a standard deviation `scale`, by Tukey's."""
     return np.asarray(np.clip(1.0 - (residuals / (_TUKEY * scale)) ** 2, 0.0, 1.0) ** 2)
 
 

@@ -153,7 +153,7 @@ def _skull_radius(direction: Float) -> Float:
 
 
 def _border(triangles: Index) -> Index:
-    """Vertices of the mesh's only border, in the direction in which its triangles run along it."""
+    """(B,) vertices of the only border of triangles (F, 3), in the direction of these along it."""
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     present = {(int(a), int(b)) for a, b in edges}
     following = {a: b for a, b in present if (b, a) not in present}

@@ -83,7 +83,7 @@ class _Canvas:
         return cls(np.zeros((*size, 3), np.float32), np.zeros(size, np.float32), np.zeros(2))
 
     def around(self, points: Float, margin: float) -> _Canvas:
-        """A window onto the same paint, for strokes that stay near the points."""
+        """A window onto the same paint, for strokes that stay near points (N, 2) [texel]."""
         left, top = np.maximum(points.min(axis=0) - margin, 0).astype(int)
         right, bottom = (points.max(axis=0) + margin).astype(int) + 1
         box = np.s_[top:bottom, left:right]
@@ -95,7 +95,7 @@ class _Canvas:
         self.cover[:] += alpha * (1 - self.cover)
 
     def distance(self, center: Float, unit: float) -> Image:
-        """Distance of each texel from a point, in some unit."""
+        """(H, W) distance of each texel from a point (2,), in units of so many texels."""
         rows, columns = np.ogrid[: self.cover.shape[0], : self.cover.shape[1]]
         x, y = center - self.corner
         result: Image = (np.hypot(columns - x, rows - y) / unit).astype(np.float32)
@@ -117,7 +117,7 @@ class _Canvas:
 
 
 def _paint_eye(canvas: _Canvas, outline: Float, upper: Float, iris: Color) -> None:
-    """White, iris, pupil, lashes and the upper lid's shade; the outline starts at a corner."""
+    """White, iris, pupil, lashes, the upper lid's shade; outlines (N, 2) [texel] from a corner."""
     width = float(np.linalg.norm(outline[0] - outline[8]))
     canvas = canvas.around(outline, 0.4 * width)
     middle = outline.mean(axis=0)
@@ -138,7 +138,7 @@ def _paint_eye(canvas: _Canvas, outline: Float, upper: Float, iris: Color) -> No
 
 
 def _paint_brow(canvas: _Canvas, rng: np.random.Generator, outline: Float, hair: Color) -> None:
-    """Hairs within the outline, which runs inward above and back outward below."""
+    """Hairs within the outline (10, 2) [texel], which runs inward above and back outward below."""
     canvas = canvas.around(outline, 25.0)
     upper, lower = outline[:5], outline[:4:-1]
     along, across = rng.uniform(0, 3.999, BROW_HAIRS), rng.uniform(0.1, 0.9, BROW_HAIRS)

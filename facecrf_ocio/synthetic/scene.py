@@ -78,7 +78,7 @@ def _faces_camera(pixels: Float, triangles: Index) -> Bool:
 
 
 def _reshape(vertices: Float, rng: np.random.Generator) -> Float:
-    """Vary width, height, jaw and nose a little."""
+    """Vary width, height, jaw and nose of vertices (V, 3) [cm] a little."""
     width, height, jaw, nose = rng.normal(0, (0.03, 0.03, 0.05, 0.25))
     x, y, z = vertices.T
     below_eyes = np.clip((2.0 - y) / 11.0, 0, 1)

@@ -108,7 +108,7 @@ def one_photo(curve: InverseCRF) -> Merge:
 
 
 def errors(made: Image, light: Image, where: npt.NDArray[np.bool_]) -> list[float]:
-    """RMS error in stops after one factor: of all, and of dark, middle and bright light."""
+    """RMS errors [stop] after one factor: of all, and of dark, middle and bright light."""
     off = np.log2(np.maximum(made, 1e-6) / light).mean(axis=2)
     off -= np.median(off[where])
     stops = np.log2(light).mean(axis=2)

@@ -164,6 +164,6 @@ def _clipped(path: Path, name: str, lines: Lines, column: Float, step: float) ->
 
 
 def _flat(column: Float) -> int:
-    """How many entries from the first on are equal."""
+    """How many entries of a column (K,) are equal, from the first on."""
     other = np.flatnonzero(column != column[0])
     return int(other[0]) if other.size else column.size

@@ -64,7 +64,7 @@ def packed(pixels: Pixels) -> Pixels:
 
 
 def in_8_bits(values: Float32) -> Float32:
-    """Code values rounded to those that an 8-bit file can hold."""
+    """Code values (...) in [0, 1], rounded to those that an 8-bit file can hold."""
     rounded = np.asarray(values * np.float32(255), np.float32)  # one array, not one a step
     np.rint(rounded, out=rounded)
     rounded /= np.float32(255)

@@ -66,7 +66,7 @@ def is_other_curve(icc: bytes) -> bool:
 
 
 def _decoded(tag: bytes, codes: Float) -> Float | None:
-    """Light that a curve of a profile gives to code values; None where it is damaged."""
+    """Light (K,) that a curve of a profile gives to code values (K,); None where it is damaged."""
     try:
         if tag[:4] == b"curv":
             light = _table(tag, codes)

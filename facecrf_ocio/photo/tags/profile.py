@@ -85,7 +85,7 @@ def _primaries(profile: bytes) -> Primaries | None:
 
 
 def _named(colorants: Float, matrix: Float) -> Primaries | None:
-    """The primaries before an adaptation; None where there are no three and a white."""
+    """The primaries before an adaptation (3, 3); None where colorants (3, 3) are no three."""
     try:
         xy = _unadapted(colorants, matrix)
     except np.linalg.LinAlgError:

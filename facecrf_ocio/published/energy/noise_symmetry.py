@@ -139,7 +139,10 @@ def fit_noise(channels: Sequence[RegionNoise], prior: LogSlopePrior) -> NoiseFit
 
 
 def _linearize_all(channels: Sequence[RegionNoise], unknowns: Float, *, exact: bool) -> _Linearized:
-    """All channels below one another; log slopes are common, log A and log B are each one's own."""
+    """All channels below one another.
+
+    `unknowns` are the log slopes, which are common, then log A and log B of each channel.
+    """
     parts = []
     for index, levels in enumerate(channels):
         own = INTERVALS + 2 * index
@@ -159,7 +162,10 @@ def _linearize_all(channels: Sequence[RegionNoise], unknowns: Float, *, exact: b
 
 
 def _linearize(levels: RegionNoise, unknowns: Float, *, exact: bool) -> _Linearized:
-    """Model minus data, log variance first and skewness after it, and their derivatives."""
+    """Model minus data, log variance first and skewness after it, and their derivatives.
+
+    `unknowns` are the log slopes, log A and log B of one channel.
+    """
     log_slopes, shot, read = unknowns[:-2], np.exp(unknowns[-2]), np.exp(unknowns[-1])
     reader = interpolation_rows(levels.encoded)
     below = _light_below(levels.encoded) * np.exp(log_slopes)
@@ -244,7 +250,7 @@ def _curvature_rows(encoded: Float) -> Float:
 
 
 def _first_noise(channels: Sequence[RegionNoise], log_slopes: Float) -> Float:
-    """Log A and log B of each channel if the curve were the prior's mean."""
+    """(2 C,) log A and log B of each channel if the curve had these log slopes."""
     found = []
     for levels in channels:
         slope = np.exp(interpolation_rows(levels.encoded) @ log_slopes)
@@ -255,7 +261,7 @@ def _first_noise(channels: Sequence[RegionNoise], log_slopes: Float) -> Float:
 
 
 def _prior_precision(prior: LogSlopePrior, channels: int) -> Float:
-    """Inverse covariance of log slopes and of `log B - log A`; A itself is free."""
+    """(U, U) inverse covariance of log slopes and of `log B - log A`; A itself is free."""
     size = INTERVALS + 2 * channels
     precision = np.zeros((size, size))
     precision[:INTERVALS, :INTERVALS] = np.linalg.inv(prior.covariance)

@@ -88,7 +88,7 @@ class SkinPigment:
         return value, pull_back(by_columns)
 
     def _log_ratios(self, samples: Float) -> tuple[Float, PullBack]:
-        """The columns, and the map from a gradient by them to one by the samples."""
+        """The columns (3, N), and the map from a gradient by them to one by the samples (3, K)."""
         if self._shading is None:
             columns, back, _ = self._formula(samples, np.zeros_like(self._step))
             return columns, back

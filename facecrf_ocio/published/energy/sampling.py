@@ -42,7 +42,7 @@ class Sampling:
         return np.asarray(below + (flat[self.lower + 1] - below) * self.fraction)
 
     def slopes(self, curves: Float) -> Float:
-        """Slope of the curves in each point's interval, linear per encoded."""
+        """Slope of the curves (3, K) in each point's interval, linear per encoded."""
         flat = curves.ravel()
         return np.asarray((flat[self.lower + 1] - flat[self.lower]) * (self.size - 1))
 
