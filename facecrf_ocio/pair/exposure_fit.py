@@ -4,28 +4,24 @@ The objective is that of Debevec and Malik (SIGGRAPH 1997, eq. 3), with what rea
 besides: the response is a spline, residuals count in units of what noise of one code does there
 and by Tukey's biweight, and the exposures may depart from the camera's grid.
 
-What is smooth is told by how known responses bend, and how their bends go together: a straight line
-in log light, which the paper asks for, is far from any of them near black (docs/evidence).
+What is smooth is told by how known responses bend (`response_bends.py`).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 from scipy.interpolate import BSpline
 from scipy.sparse.csgraph import connected_components
 
-from facecrf_ocio.response.model import dorf_model
-from facecrf_ocio.response.robust import biweight, robust_deviation, robust_deviations
+from facecrf_ocio.pair.response_bends import DEGREE, SIZE, knots, known_bends
+from facecrf_ocio.response.robust import biweight, robust_deviation
 from facecrf_ocio.values import CHANNELS, Bool, Float, Index
 
 CODES = 256  # of 8 bits, to which all photos of a bracket are brought
 FEWEST_POINTS = 100  # of a fit: five and more for each of the curve's coefficients
 FEWEST_SHARED = 30  # points that two photos, or a photo and the others, are compared by
-_SEGMENTS, _DEGREE = 16, 3  # of a cubic spline, with a knot every 16 codes; chosen by judgment
-_SIZE = _SEGMENTS + _DEGREE
 # Of weighing anew, from nothing and from a fit of other points; chosen by judgment.
 _ROUNDS, _FEW_ROUNDS = 6, 2
 _PATCH_NOISE = 0.6  # [code value] of the mean of a small patch, with what JPEG does to it
@@ -36,11 +32,6 @@ _EXACT = 1e4  # [1/stop] how firmly it is held that exposures are not stretched 
 # Points that two photos share, from which on one tells of the other's exposure. Of a scene, a few
 # of a thousand are glare, compression or what moved, and agree on nothing.
 _LINKED = 30
-# Draws of the response model that tell how responses bend, the light below which they do not, and
-# the deviation [stop] of each bend by itself, for responses that the model never saw.
-_DRAWS, _LEAST_LIGHT, _OWN_BEND = 400, 2.0**-12, 0.02
-_FARTHEST = 4.0  # robust deviations: what bends more, next to black, counts as that
-_TOE = 4.0 / 255.0  # code below which responses are not looked at
 _LEAST_SLOPE = 0.2  # [stop / full range] while slopes turn codes into stops
 _FEWEST_SPREAD = 0.25  # of a residual: a perfect fit leaves no scale to judge by
 
@@ -110,7 +101,7 @@ def fit_exposures(
     raw, kept = _weights(values, solution)[1:]
     grid = np.arange(CODES) / 255.0
     light = np.array([_spline(solution, c)(grid) for c in range(len(CHANNELS))])
-    refined = solution[len(CHANNELS) * _SIZE :]
+    refined = solution[len(CHANNELS) * SIZE :]
     stretch = _stretch(refined - stops, _held(stops, told, linked))
     return ExposureFit(light, refined, raw, kept, stretch, solution)
 
@@ -139,7 +130,7 @@ def _values(codes: Float, usable: Bool) -> _Values:
     exposure = -np.eye(len(codes))[shot]
     rows = []
     for one in chosen:
-        basis = BSpline.design_matrix(np.clip(one / 255.0, 0.0, 1.0), _knots(), _DEGREE)
+        basis = BSpline.design_matrix(np.clip(one / 255.0, 0.0, 1.0), knots(), DEGREE)
         rows.append(np.hstack([basis.toarray(), exposure]))
     return _Values(chosen, tuple(rows), shot, np.flatnonzero(np.diff(point, prepend=-1)))
 
@@ -177,7 +168,7 @@ def _centered(rows: Float, weights: Float, first: Index) -> Float:
 
 def _normal(rows: list[Float], weights: Float, shots: int) -> Float:
     """Sum (U, U) of the normal equations of channels' rows (N, ...), each with its own spline."""
-    size = len(CHANNELS) * _SIZE + shots
+    size = len(CHANNELS) * SIZE + shots
     total = np.zeros((size, size))
     for channel, (a, w) in enumerate(zip(rows, weights, strict=True)):
         place = _places(channel, size)
@@ -233,46 +224,23 @@ def _prior(stops: Float, smoothness: float, held: _Held) -> tuple[Float, Float]:
 
     As normal equations: matrix (U, U) and right side (U,).
     """
-    size = len(CHANNELS) * _SIZE + len(stops)
+    size = len(CHANNELS) * SIZE + len(stops)
     matrix, right = 1e-9 * np.eye(size), np.zeros(size)
-    second = np.diff(np.eye(_SIZE), 2, axis=0)
-    usual, precision_of_bends = _known_bends()
+    second = np.diff(np.eye(SIZE), 2, axis=0)
+    usual, precision_of_bends = known_bends()
     weight = smoothness * second.T @ precision_of_bends
-    middle = BSpline.design_matrix(np.array([0.5]), _knots(), _DEGREE).toarray()[0]
+    middle = BSpline.design_matrix(np.array([0.5]), knots(), DEGREE).toarray()[0]
     one = weight @ second + _EXACT**2 * np.outer(middle, middle)
     for channel in range(len(CHANNELS)):
-        place = slice(channel * _SIZE, (channel + 1) * _SIZE)
+        place = slice(channel * SIZE, (channel + 1) * SIZE)
         matrix[place, place] += one
         right[place] = weight @ usual
     fixed = held.directions
     precision = np.eye(len(stops)) / _SHUTTER**2 + _EXACT**2 * fixed.T @ fixed
-    last = slice(len(CHANNELS) * _SIZE, size)
+    last = slice(len(CHANNELS) * SIZE, size)
     matrix[last, last] += precision
     right[last] = precision @ stops
     return matrix, right
-
-
-@cache
-def _known_bends() -> tuple[Float, Float]:
-    """Median (B,) [stop] and precision (B, B) of second differences of responses' coefficients."""
-    model, random = dorf_model(), np.random.default_rng(0)
-    at = model.grid >= _TOE
-    basis = BSpline.design_matrix(model.grid[at], _knots(), _DEGREE).toarray()
-    drawn = []
-    for place in random.integers(len(model.mixture.means), size=_DRAWS):
-        mean, covariance = model.mixture.means[place], model.mixture.covariances[place]
-        sample = model.samples(
-            mean + np.linalg.cholesky(covariance) @ random.normal(size=mean.size)
-        )
-        drawn.append(np.log2(np.maximum.accumulate(np.maximum(sample, _LEAST_LIGHT)))[at])
-    coefficients = np.linalg.lstsq(basis, np.array(drawn).T, rcond=None)[0]
-    bends = np.diff(coefficients, 2, axis=0)
-    usual = np.median(bends, axis=1)
-    apart = bends - usual[:, None]
-    deviation = robust_deviations(apart)
-    usually = np.clip(apart, -_FARTHEST * deviation, _FARTHEST * deviation)
-    covariance = usually @ usually.T / _DRAWS + _OWN_BEND**2 * np.eye(len(usual))
-    return usual, np.linalg.inv(covariance)
 
 
 def _spread(codes: Float, solution: Float, channel: int) -> Float:
@@ -281,18 +249,13 @@ def _spread(codes: Float, solution: Float, channel: int) -> Float:
     return np.asarray(np.hypot(_AT_BEST, np.maximum(slope, _LEAST_SLOPE) * _PATCH_NOISE / 255.0))
 
 
-def _knots() -> Float:
-    inner = np.linspace(0.0, 1.0, _SEGMENTS + 1)
-    return np.concatenate([np.zeros(_DEGREE), inner, np.ones(_DEGREE)])
-
-
 def _spline(solution: Float, channel: int) -> BSpline:
-    return BSpline(_knots(), solution[channel * _SIZE : (channel + 1) * _SIZE], _DEGREE)
+    return BSpline(knots(), solution[channel * SIZE : (channel + 1) * SIZE], DEGREE)
 
 
 def _places(channel: int, size: int) -> Index:
-    own = np.arange(channel * _SIZE, (channel + 1) * _SIZE)
-    return np.concatenate([own, np.arange(len(CHANNELS) * _SIZE, size)])
+    own = np.arange(channel * SIZE, (channel + 1) * SIZE)
+    return np.concatenate([own, np.arange(len(CHANNELS) * SIZE, size)])
 
 
 def _of_channel(solution: Float, channel: int) -> Float:
