@@ -33,7 +33,7 @@ class FaceCRFError(Exception):
         """Pickle the text and what else it holds.
 
         Pickle's own way back passes the text alone to constructors, some of which take more, and
-        breaks the pool of processes that an error comes from.
+        ends the executor whose process an error comes from.
         """
         return _again, (type(self), self.args), vars(self)
 

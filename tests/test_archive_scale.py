@@ -59,7 +59,7 @@ def done_before(source: Path, folder: Path, count: int, *, pool: bool) -> tuple[
                 shot = Shot("", 1.0, 1.0, 1.0, 1.0)
                 camera = (f"{number % 50}", "", "", "")
                 said = Result("", "", sha256=f"{number}", camera=camera, shot=shot, gathered=told)
-                manifest.gather(name, stamp, said, f"{number}")
+                manifest.record_gathered(name, stamp, said, f"{number}")
                 manifest.written(name, result)
             else:
                 manifest.finish(name, stamp, result, f"{number}")

@@ -56,7 +56,7 @@ class Recording:
         """Record what came of a photo that was looked at."""
         if result.gathered is not None:
             with self.manifest.transaction():
-                self.manifest.gather(task.name, begun.stamp, result, begun.fingerprint)
+                self.manifest.record_gathered(task.name, begun.stamp, result, begun.fingerprint)
                 keep_for_report(self.manifest, task.name, result)
             self.tell(Event(task.name, result, fresh=True, step=GATHERED))
             return

@@ -139,15 +139,11 @@ class StressBench:
         photo = self.photograph(task)
         counts, fold = count_codes(photo), int(self._fold_of[task.row])
         responses = self._plan.responses
-        subject = Subject(
+        subject = Subject.of(
+            *(responses, task.row, self._truth[task.row]),
             protocol=task.cell,
             image=self._plan.images[task.image].name,
-            row=task.row,
-            response=responses.names[task.row],
-            family=responses.family(task.row),
             fold=fold,
-            truth=self._truth[task.row],
-            kind=responses.kind(task.row),
         )
         prior = self._prior(fold)
         models = {"auto": joint_model(responses, fold)}

@@ -13,6 +13,7 @@ from facecrf_ocio.benchmark.cases import HELD_OUT, Case, PhotoCases, Plan
 from facecrf_ocio.benchmark.folds import fit_held_out
 from facecrf_ocio.benchmark.joint_folds import joint_model
 from facecrf_ocio.benchmark.metrics import score
+from facecrf_ocio.benchmark.responses import Responses
 from facecrf_ocio.benchmark.virtual_camera import count_codes, take_photo
 from facecrf_ocio.calibrate import calibrate
 from facecrf_ocio.joint import JointModel
@@ -120,15 +121,11 @@ class Workbench:
 
     def _measure(self, case: Case, photo: Photo, counts: np.ndarray) -> CaseResult:
         responses = self._plan.responses
-        subject = Subject(
+        subject = Subject.of(
+            *(responses, case.row, responses.inverse[case.row]),
             protocol=case.protocol,
             image=self._plan.images[case.image].name,
-            row=case.row,
-            response=responses.names[case.row],
-            family=responses.family(case.row),
-            kind=responses.kind(case.row),
             fold=self._fold(case),
-            truth=responses.inverse[case.row],
         )
         asked = Asked(
             case.estimator,
@@ -165,6 +162,21 @@ class Subject:
     fold: int | None
     truth: Float
     kind: str = ""
+
+    @classmethod
+    def of(
+        cls,
+        responses: Responses,
+        row: int,
+        truth: Float,
+        *,
+        protocol: str,
+        image: str,
+        fold: int | None,
+    ) -> Subject:
+        """A photo through one of a file's responses, of which `truth` (3, K) is scored."""
+        response, family, kind = responses.names[row], responses.family(row), responses.kind(row)
+        return cls(protocol, image, row, response, family, fold, truth, kind)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -69,5 +69,5 @@ def _overlap(a: Candidate, b: Candidate) -> float:
     """Intersection over union."""
     low = np.maximum(a.center_xy - a.size_xy / 2, b.center_xy - b.size_xy / 2)
     high = np.minimum(a.center_xy + a.size_xy / 2, b.center_xy + b.size_xy / 2)
-    common = float(np.prod(np.maximum(high - low, 0.0)))
-    return common / float(np.prod(a.size_xy) + np.prod(b.size_xy) - common)
+    shared = float(np.prod(np.maximum(high - low, 0.0)))
+    return shared / float(np.prod(a.size_xy) + np.prod(b.size_xy) - shared)

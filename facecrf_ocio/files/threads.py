@@ -46,7 +46,7 @@ class OtherThread:
     def __init__(self) -> None:
         import cv2  # noqa: PLC0415 - heavy
 
-        self._pool = _pool() if cv2.getNumThreads() > 1 else None
+        self._executor = _executor() if cv2.getNumThreads() > 1 else None
 
     def __enter__(self) -> OtherThread:
         """Return itself."""
@@ -54,12 +54,12 @@ class OtherThread:
 
     def __exit__(self, *_: object) -> None:
         """Let the thread end."""
-        if self._pool is not None:
-            self._pool.shutdown(wait=False, cancel_futures=True)
+        if self._executor is not None:
+            self._executor.shutdown(wait=False, cancel_futures=True)
 
     def begin(self, work: Callable[[], _T]) -> Callable[[], _T]:
         """Begin some work when that before is done; returns what waits for its result."""
-        return work if self._pool is None else self._pool.submit(work).result
+        return work if self._executor is None else self._executor.submit(work).result
 
 
 @contextmanager
@@ -78,13 +78,13 @@ def beside(work: Callable[[], object]) -> Iterator[None]:
 
 
 def _begun(work: Callable[[], _T]) -> Callable[[], _T]:
-    pool = _pool()
-    result = pool.submit(work).result
-    pool.shutdown(wait=False)
+    executor = _executor()
+    result = executor.submit(work).result
+    executor.shutdown(wait=False)
     return result
 
 
-def _pool() -> ThreadPoolExecutor:
+def _executor() -> ThreadPoolExecutor:
     from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415 - not for `facecrf --help`
 
     return ThreadPoolExecutor(1)

@@ -113,7 +113,7 @@ def _cosine(normals: Image, light: Light) -> Image:
 def _light_axes(light: Light) -> Float:
     """(3, 3) rows: two axes across the light's rays and the one toward it."""
     toward = light.unit()
-    helper = (0.0, 1.0, 0.0) if abs(toward[1]) < 0.9 else (1.0, 0.0, 0.0)
-    across = np.cross(helper, toward)
+    beside = (0.0, 1.0, 0.0) if abs(toward[1]) < 0.9 else (1.0, 0.0, 0.0)
+    across = np.cross(beside, toward)
     across /= np.linalg.norm(across)
     return np.stack([across, np.cross(toward, across), toward])

@@ -114,7 +114,7 @@ def manifests(folder: Path) -> list[Path]:
     with manifest.transaction():
         manifest.note("source", "/photos")
         manifest.finish("a.jpg", Stamp(1, 2, "r", 3), done, "f")
-        manifest.gather("sub/b.jpg", Stamp(1, 2, "r", 3), pooled, "g")
+        manifest.record_gathered("sub/b.jpg", Stamp(1, 2, "r", 3), pooled, "g")
     manifest.change("PRAGMA journal_mode=DELETE")
     manifest.close()
     return [place / FILE]

@@ -124,7 +124,7 @@ class Manifest(Connection):
                 *(key_of(name), key, CLAIMED, folded(name)),
             )
 
-    def gather(self, name: str, stamp: Stamp, result: Result, fingerprint: str) -> None:
+    def record_gathered(self, name: str, stamp: Stamp, result: Result, fingerprint: str) -> None:
         """Record what a photo says; its outputs wait for the curve of its camera."""
         shot, gathered, key = result.shot, result.gathered, key_of(name)
         if gathered is None:
@@ -142,7 +142,7 @@ class Manifest(Connection):
         )
 
     def gathered(self, name: str) -> Gathered:
-        """Return what a photo says, which `gather` recorded.
+        """Return what a photo says, which `record_gathered` kept.
 
         Raises
         ------
