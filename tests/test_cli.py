@@ -136,6 +136,17 @@ class TestHelp:
 
 
 class TestCalibrate:
+    @pytest.mark.parametrize("name", ["a.cube", "a.png.clf", "a.ICC", "a.exr"])
+    def test_a_file_is_no_folder_to_write_to(
+        self, facecrf: CommandLine, photo: Path, tmp_path: Path, name: str
+    ) -> None:
+        ended = facecrf("calibrate", photo, "-o", tmp_path / name, *BLIND)
+        assert ended.code == USAGE
+        assert f"{name} names a file; name the folder that gets the files" in ended.err
+        assert not (tmp_path / name).exists()
+        (tmp_path / name).mkdir()
+        assert facecrf("calibrate", photo, "-o", tmp_path / name, *BLIND).code == DONE
+
     def test_writes_luts_and_record_and_names_them(
         self, facecrf: CommandLine, photo: Path, out: Path
     ) -> None:

@@ -17,7 +17,7 @@ from facecrf_ocio.cli.options import (
     estimation_options,
     require_exrs,
 )
-from facecrf_ocio.cli.output_files import formats_option
+from facecrf_ocio.cli.output_files import folder_option, formats_option
 from facecrf_ocio.cli.terminal import (
     UNREADABLE,
     USAGE,
@@ -39,9 +39,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("source", type=TEXT_PATH, metavar="CLIP")
-@click.option(
-    "-o", "--output", required=True, type=TEXT_PATH, metavar="DIR", help="Where to write."
-)
+@folder_option
 @formats_option
 @direction_options
 @click.option(

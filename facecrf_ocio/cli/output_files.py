@@ -12,7 +12,7 @@ import click
 from facecrf_ocio.cli.options import TEXT_PATH, direction_options
 from facecrf_ocio.cli.terminal import hush_matplotlib
 from facecrf_ocio.lut.format_table import default_formats, format_names
-from facecrf_ocio.record.output_names import PLOT, output_path
+from facecrf_ocio.record.output_names import EXR, PLOT, output_path
 
 if TYPE_CHECKING:
     from facecrf_ocio.settings import Settings
@@ -22,8 +22,23 @@ if TYPE_CHECKING:
 def folder_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add the option `--output`: the folder that gets the files."""
     return click.option(
-        "-o", "--output", required=True, type=TEXT_PATH, metavar="DIR", help="Where to write."
+        "-o",
+        "--output",
+        required=True,
+        type=TEXT_PATH,
+        metavar="DIR",
+        callback=_require_no_file,
+        help="Where to write.",
     )(command)
+
+
+def _require_no_file(context: click.Context, option: click.Parameter, value: Path) -> Path:
+    """Fail where a file is named, after which a folder would be called."""
+    suffixes = {f".{name.rpartition('.')[2]}" for name in format_names()} | {EXR}
+    if value.suffix.lower() in suffixes and not value.is_dir():
+        said = f"{value} names a file; name the folder that gets the files"
+        raise click.BadParameter(said, context, option)
+    return value
 
 
 def formats_option(command: Callable[..., Any]) -> Callable[..., Any]:
