@@ -307,7 +307,8 @@ def test_what_openimageio_said_of_a_file_is_not_left_for_its_own_words_at_exit(
     for photo in photos:
         photo.write_bytes(b"IIU\0" + bytes(400))
     given = photos[: 1 if command == "pair" else 2]
-    output = () if command == "cameras measure" else ("-o", tmp_path / "out.exr")
+    out = tmp_path / ("out.exr" if command == "merge" else "out")
+    output = () if command == "cameras measure" else ("-o", out)
     ended = CommandLine(capfd)(*command.split(), *given, *output)
     assert ended.code in {3, 4}
     assert oiio.geterror() == ""
