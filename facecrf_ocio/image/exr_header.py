@@ -11,6 +11,7 @@ import OpenImageIO as oiio  # noqa: N813
 
 from facecrf_ocio.color.primaries import CIE_XYZ
 from facecrf_ocio.files.plain_text import plain_text
+from facecrf_ocio.photo.decoding.orientation import QUARTER_TURNS, orientation_of
 from facecrf_ocio.photo.decoding.picture import PhotoFile, open_picture
 from facecrf_ocio.values import Photo, Primaries
 
@@ -26,13 +27,16 @@ _INTEROP_ID = {
 }
 # What the source says of its own encoding, layout and upbringing, none of which is true of the
 # EXR: its pixels are linear, upright and in other types. Maker notes hold offsets into the source.
+# Then what OpenEXR says itself: a text of a PNG by such a name makes a file that nobody can read.
 _NOT_KEPT = re.compile(
     r"(oiio|openexr|jpeg|png|tiff|gif|webp|dpx|cineon|psd|jpeg2000|heif|bmp|targa|ico|hdr|raw|"
     r"ICCProfile|ICCProfile:.*|photoshop|thumbnail.*)(:.*)?|"
     r"Exif:(ColorSpace|Gamma|Pixel[XY]Dimension|YCbCr.*|Compressed.*|Components.*|MakerNote|"
     r"Interoperability.*|WhitePoint|PrimaryChromaticities|TransferFunction)|"
     r"Orientation|compression|planarconfig|chromaticities|colorInteropID|whiteLuminance|"
-    r"acesImageContainerFlag|screenWindow.*|textureformat|wrapmodes|CICP|.*thumbnail.*",
+    r"acesImageContainerFlag|screenWindow.*|textureformat|wrapmodes|CICP|.*thumbnail.*|"
+    r"channels|chunkCount|dataWindow|displayWindow|lineOrder|name|preview|tiles|type|version|"
+    r"PixelAspectRatio",
     re.IGNORECASE,
 )
 
@@ -40,6 +44,7 @@ _LONGEST = 1 << 16
 """[characters] Of one text; EXIF has room for no more."""
 
 
+_NARROWEST = 1e-6  # [1] ratio of a pixel's width to its height; OpenEXR writes no file below it
 _PAIRS = 30.5  # [1/s] from which time codes count pairs of frames; 29.97 counts to 29
 
 
@@ -105,21 +110,37 @@ def still_holds(attribute: str) -> bool:
 
 
 def _keep_metadata(path: Path, header: oiio.ImageSpec) -> None:
+    file = PhotoFile(path)
     try:
-        picture, _ = open_picture(PhotoFile(path))
+        picture, _ = open_picture(file)
     except OSError:  # moved meanwhile
         return
     if picture is None:  # camera raw: nothing to keep
         return
     spec = picture.spec
-    for item in spec.extra_attribs:
-        if still_holds(item.name):
-            _copy_attribute(item, header)
     is_exr = picture.source.format_name() == "openexr"
+    for item in spec.extra_attribs:
+        if still_holds(item.name) and (is_exr or item.name != "envmap"):
+            _copy_attribute(item, header)
+    _keep_aspect(spec, header, file)
     is_upright = spec.get_int_attribute("Orientation", 1) == 1
     if is_exr and is_upright and (spec.width, spec.height) == (header.width, header.height):
         _keep_windows(spec, header)
     picture.close()
+
+
+def _keep_aspect(spec: Any, header: oiio.ImageSpec, file: PhotoFile) -> None:
+    """Say how wide pixels are, if they are not square, of the picture turned upright."""
+    told = spec.get_float_attribute
+    aspect, down = told("PixelAspectRatio", 1.0), told("YResolution", 0.0)
+    if not _NARROWEST <= aspect <= 1.0 / _NARROWEST:
+        header.erase_attribute("[XY]Resolution")
+    elif aspect != 1.0 and orientation_of(spec, file.xmp) in QUARTER_TURNS:
+        header.attribute("PixelAspectRatio", 1.0 / aspect)
+        if down > 0.0:  # the writer finds the other one
+            header.attribute("XResolution", down)
+    elif aspect != 1.0:
+        header.attribute("PixelAspectRatio", aspect)
 
 
 def _keep_windows(spec: Any, header: oiio.ImageSpec) -> None:

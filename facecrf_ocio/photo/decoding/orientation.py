@@ -21,6 +21,8 @@ _UPRIGHT: dict[int, Callable[[Any], Any]] = {
     7: lambda image: cv2.rotate(cv2.transpose(image), cv2.ROTATE_180),
     8: lambda image: cv2.rotate(image, cv2.ROTATE_90_COUNTERCLOCKWISE),
 }
+QUARTER_TURNS = (5, 6, 7, 8)
+"""Orientations by which width and height are exchanged."""
 # The same turned back (tag 0x0112 again), as views: a look at some rows copies nothing.
 _STORED: dict[int, Callable[[Pixels], Pixels]] = {
     2: np.fliplr,
