@@ -14,6 +14,7 @@ from facecrf_ocio.color.primaries import known_primaries
 from facecrf_ocio.errors import PhotoError
 from facecrf_ocio.files.threads import OtherThread
 from facecrf_ocio.photo.containers.integrity import COPY_AGAIN, check_file, check_size, photo_sha256
+from facecrf_ocio.photo.containers.jxl_header import moves
 from facecrf_ocio.photo.containers.no_photo import no_photo
 from facecrf_ocio.photo.containers.png_chunks import has_void_gamma, is_animated, profile_told
 from facecrf_ocio.photo.containers.suffixes import HEIF, kind_of
@@ -65,6 +66,8 @@ from facecrf_ocio.photo.tags.profile import profile_notes
 from facecrf_ocio.photo.tags.radiance import radiance_notes
 from facecrf_ocio.values import Camera, Photo, frozen
 
+# OpenImageIO decodes all frames of a JPEG XL one over the other.
+_LAST_OF_SEVERAL = "the last of several pictures was read"
 _EXPORT = "convert it to DNG, or export a 16-bit TIFF"
 _AS_8_BIT = "save it with 8 bits a channel"
 _AS_RGB = "save it with R, G and B for each pixel"  # of an EXR of luminance and chroma
@@ -152,6 +155,9 @@ def _read_raw(file: PhotoFile, sha256: str, problem: str, remedy: str) -> Photo:
 
 def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]) -> Photo:
     path, source, spec = file.path, picture.source, picture.spec
+    if file.jpeg is not None and not file.jpeg.complete:
+        problem = "is cut short (scans of a progressive JPEG are missing)"
+        raise PhotoError(path, problem, f"{COPY_AGAIN}, or save it anew as it is")
     file_format = source.format_name()
     check_size(path, spec.width, spec.height)
     check_kind(path, spec, file_format)
@@ -167,6 +173,7 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
     primaries = primaries_of(spec, icc, file.content)
     profile_noted = profile_notes(icc, gray=len(channels) == 1) if icc else _profile_lost(file)
     moving = (FIRST_OF_SEVERAL,) if is_animated(file.content) else ()
+    moving = (_LAST_OF_SEVERAL,) if moves(file.content) else moving
     scaled = radiance_notes(file.content)
     tail = None if file.jpeg is None else tail_of(file.jpeg)
     file.forget()

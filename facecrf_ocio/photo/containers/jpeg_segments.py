@@ -7,6 +7,7 @@ that no pixel depends on; so a file is taken apart first (ITU-T T.81, annex B).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +17,11 @@ _ALONE = frozenset((0x01, *range(0xD0, 0xD8)))  # markers without a length (T.81
 _APP = range(0xE0, 0xF0)  # APP0 to APP15
 # SOF0 to SOF15, without DHT, JPG and DAC.
 _FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
+_PROGRESSIVE = frozenset((0xC2, 0xC6, 0xCA, 0xCE))  # of several scans (T.81, table B.1)
+_FREQUENCIES = 64  # of a block
+# [byte] 0 in the place of the end: a download that was broken off. A scan by tables of its own may
+# end with as many where it is of one color.
+_FILL = 16
 _LEAD = 1 << 10  # [byte] looked through for the start of a picture
 
 
@@ -37,6 +43,8 @@ class JpegParts:
         Bytes between segments, or before the first, that belong to none.
     ended
         Whether the file has the mark that ends the picture.
+    complete
+        Whether the scans of a progressive JPEG bring all frequencies to their last bit.
     """
 
     picture: bytes
@@ -45,6 +53,7 @@ class JpegParts:
     rest: bytes
     stray: int
     ended: bool
+    complete: bool
 
     def contents(self, marker: int, signature: bytes) -> list[bytes]:
         """What segments of this marker hold after their signature."""
@@ -64,12 +73,17 @@ def take_apart(content: bytes) -> JpegParts | None:
     walk = _Walk(content, start + 2, stray=start)
     while not walk.done:
         walk.step()
+    if not walk.ended and walk.kept:
+        last = bytes(walk.kept[-1])
+        scan = last.rstrip(b"\0")
+        walk.kept[-1] = scan if len(last) - len(scan) >= _FILL else last
     kept = (b"\xff\xd8", *walk.kept, b"" if walk.ended else b"\xff\xd9")
     # Mostly nothing is left out and nothing added, and the file is the picture.
     is_whole = walk.ended and sum(map(len, kept)) == len(content)
     picture = content if is_whole else b"".join(kept)
     return JpegParts(
-        picture, tuple(walk.segments), walk.size, content[walk.at :], walk.stray, walk.ended
+        *(picture, tuple(walk.segments), walk.size, content[walk.at :], walk.stray, walk.ended),
+        complete=not any(walk.missing_bits.values()),
     )
 
 
@@ -91,6 +105,8 @@ class _Walk:
         self.kept: list[bytes | memoryview] = []
         self.segments: list[tuple[int, bytes]] = []
         self.size = (0, 0)
+        # Of each layer and frequency of a progressive JPEG, as far as its scans have come.
+        self.missing_bits: dict[tuple[int, int], int] = {}
         self.done = self.ended = False
 
     def step(self) -> None:
@@ -123,6 +139,18 @@ class _Walk:
             self.segments.append((marker, body))
         elif marker in _FRAMES and self.size == (0, 0):
             self.size = int.from_bytes(body[3:5], "big"), int.from_bytes(body[1:3], "big")
+            layers = body[6::3] if marker in _PROGRESSIVE else b""
+            self.missing_bits = dict.fromkeys(product(layers, range(_FREQUENCIES)), 1)
         if marker == _SCAN:
+            self._progress(body)
             self.at = self._next_marker()
         self.kept += bytes((0xFF, marker)), memoryview(self.content)[begin : self.at]
+
+    def _progress(self, scan: bytes) -> None:
+        """Count the bits that a scan of a progressive JPEG leaves to others (T.81, B.2.3)."""
+        count = scan[0] if scan else 0
+        if not self.missing_bits or len(scan) < 2 * count + 4:
+            return
+        first, last, bits = scan[2 * count + 1 : 2 * count + 4]
+        for of in product(scan[1 : 2 * count : 2], range(first, last + 1)):
+            self.missing_bits[of] = bits & 15
