@@ -13,7 +13,7 @@ from command_line import CommandLine
 from photo_files import pixels_of
 
 from facecrf_ocio.benchmark.peers import merge_errors
-from facecrf_ocio.pair.bracket_pixels import small_bracket
+from facecrf_ocio.pair.bracket_pixels import flat_patches, small_bracket
 from facecrf_ocio.pair.merge import merge_bracket, refined_stops
 from facecrf_ocio.record.calibration_record import write_record
 from facecrf_ocio.settings import Settings
@@ -173,7 +173,8 @@ def test_a_hand_that_moved_is_undone():
 
 def test_exposures_are_refined_by_a_known_curve():
     photos = [shot(scene(), stop, n) for n, stop in enumerate(STOPS + np.eye(4)[1] / 10)]
-    found = refined_stops(small_bracket(photos, STOPS), CURVE)
+    bracket = small_bracket(photos, STOPS)
+    found = refined_stops(STOPS, *flat_patches(bracket, center_only=False), CURVE)
     assert np.diff(found)[1] == pytest.approx(1.9, abs=0.03)
 
 

@@ -56,22 +56,24 @@ def merge(
     counts, and what moved is taken from the photo that shows most. 1 is that photo's white.
     """
     from facecrf_ocio.image.merged_exr import write_merged
-    from facecrf_ocio.pair.bracket_pixels import with_stops
-    from facecrf_ocio.pair.merge import refined_stops
+    from facecrf_ocio.pair.merge_exposures import merge_exposures
 
     require_exr_free(output, overwrite=overwrite)
     photos = tuple(dict.fromkeys(photos))
     with status(f"merging {len(photos)} photos"):
         solved = solve(photos, given)
+        if solved.wrong_order:
+            told = in_options(solved.wrong_order)
+            return complain(f"{photos[0]}: not merged: {told}", NOTHING)
         estimate = _curve(source, photos, solved)
         if estimate.found is None:
             told = in_options(f"{estimate.reason}; {estimate.remedy}")
             return complain(f"{photos[0]}: {estimate.outcome}: {told}", NOTHING)
-        own = estimate is solved.estimate
-        stops = solved.solved.refined if own else refined_stops(solved.bracket, estimate.found)
+        exposures = merge_exposures(solved, estimate.found)
+        false = in_options(f"{exposures.false}; {exposures.remedy}") if exposures.false else ""
         merged = write_merged(
             output,
-            with_stops(solved.bracket, stops),
+            exposures.bracket,
             estimate,
             still=still,
             half=half,
@@ -82,6 +84,9 @@ def merge(
     tell_notes(with_remedy(merged.notes))
     for path, stop, gone in zip(photos, merged.stops, merged.moved, strict=True):
         say(f"  {path.name}: {stop:+.2f} stops, {100.0 * gone:.1f} % moved")
+    if false:
+        say(f"facecrf: {output}: {false}", err=True)
+        return 0
     for path, gone in zip(photos, merged.moved, strict=True):
         if gone > _ANOTHER_SCENE:
             say(

@@ -12,11 +12,12 @@ from facecrf_ocio.errors import PhotoError, SettingsError
 from facecrf_ocio.pair.bracket_curve import BracketCurve, bracket_reasons, solve_bracket
 from facecrf_ocio.pair.bracket_pixels import SmallBracket, flat_patches, small_bracket
 from facecrf_ocio.pair.exposure_grid import stops_of_shots
+from facecrf_ocio.pair.told_order import out_of_order
 from facecrf_ocio.photo.given import GivenPhoto, photo_given
 from facecrf_ocio.photo.shot import Shot
 from facecrf_ocio.response.coverage import coverage_at, coverage_counts
 from facecrf_ocio.response.expected_stops import verdict_of
-from facecrf_ocio.values import Confidence, Estimate, Float, Outcome, Photo, Verdict, frozen
+from facecrf_ocio.values import Bool, Confidence, Estimate, Float, Outcome, Photo, Verdict, frozen
 from facecrf_ocio.wording.assumption_words import RELATIVE_TO_WHITE
 
 _RELIABLE_RESIDUAL = 0.08  # [stop]
@@ -37,11 +38,23 @@ class BracketEstimate:
         What its figures are.
     bracket
         Its photos, aligned.
+    codes, usable
+        Of their patches, as `flat_patches` gives them.
     """
 
     estimate: Estimate
     solved: BracketCurve
     bracket: SmallBracket
+    codes: Float
+    usable: Bool
+
+    @property
+    def wrong_order(self) -> str:
+        """Why no curve fits the exposures, with what to do, empty if one may: nothing merges."""
+        problem = out_of_order(self.codes, self.usable, self.bracket.stops)
+        return problem and (
+            "; ".join(filter(None, told_of_false(self.solved.false, self.bracket))) or problem
+        )
 
 
 def stops_by_exif(shots: Sequence[Shot], photos: Sequence[Photo] | None = None) -> Float:
@@ -87,9 +100,10 @@ def calibrate_bracket(
     bracket = small_bracket(map(photo_given, photos), given)
     codes, usable = flat_patches(bracket, center_only=center_only)
     solved = solve_bracket(codes, given, usable)
-    false, remedy = _false(solved, bracket)
+    false, remedy = told_of_false(solved.false, bracket)
     if solved.problem or solved.found is None or solved.in_stops is None:
-        return BracketEstimate(_not_calibrated(solved, false, remedy), solved, bracket)
+        estimate = _not_calibrated(solved, false, remedy)
+        return BracketEstimate(estimate, solved, bracket, codes, usable)
     estimate = Estimate(
         Outcome.CALIBRATED,
         "bracket",
@@ -109,7 +123,7 @@ def calibrate_bracket(
             "the camera's exposures are not stretched as a whole: one stop is one stop",
         ),
     )
-    return BracketEstimate(estimate, solved, bracket)
+    return BracketEstimate(estimate, solved, bracket, codes, usable)
 
 
 def apertures_differ(shots: Sequence[Shot]) -> bool:
@@ -126,7 +140,7 @@ def bracket_verdict(solved: BracketCurve) -> Verdict:
 
 def bracket_doubts(solved: BracketCurve, names: Sequence[str]) -> tuple[str, ...]:
     """Whose exposure is not what was told, of photos of these names, found in an archive."""
-    said = _named(solved, names)
+    said = _named(solved.false, names)
     remedy = "leave it out, or give the exposures (`facecrf bracket --stops`)"
     return _doubts(f"{said}: {remedy}" if said else "", solved)
 
@@ -136,10 +150,10 @@ def _doubts(false: str, solved: BracketCurve) -> tuple[str, ...]:
     return tuple(filter(None, [false, unchecked]))
 
 
-def _named(solved: BracketCurve, names: Sequence[str]) -> str:
-    if solved.false is None:
+def _named(false: tuple[int, float] | None, names: Sequence[str]) -> str:
+    if false is None:
         return ""
-    photo, stops = solved.false
+    photo, stops = false
     more = "more" if stops > 0.0 else "less"
     return (
         f"{names[photo]} was exposed {abs(stops):.1f} stops {more} than is told of it, by what the "
@@ -147,15 +161,15 @@ def _named(solved: BracketCurve, names: Sequence[str]) -> str:
     )
 
 
-def _false(solved: BracketCurve, bracket: SmallBracket) -> tuple[str, str]:
+def told_of_false(false: tuple[int, float] | None, bracket: SmallBracket) -> tuple[str, str]:
     """Whose exposure is not what was told, and what to do; empty if none is."""
-    if solved.false is None:
+    if false is None:
         return "", ""
-    photo, stops = solved.false
+    photo, stops = false
     right = bracket.stops + stops * (np.arange(len(bracket.paths)) == photo)
     given = ", ".join(f"{round(stop, 2) + 0.0:g}" for stop in (right - right[0]).tolist())
     return (
-        _named(solved, [path.name for path in bracket.paths]),
+        _named(false, [path.name for path in bracket.paths]),
         f"run again without it, or with stops=[{given}]",
     )
 
@@ -172,7 +186,7 @@ def _not_calibrated(solved: BracketCurve, false: str, remedy: str) -> Estimate:
     )
 
 
-def _coverage(codes: Float, usable: np.typing.NDArray[np.bool_], solved: BracketCurve) -> Float:
+def _coverage(codes: Float, usable: Bool, solved: BracketCurve) -> Float:
     if solved.found is None:
         return np.empty(0)
     at, channels = solved.found.encoded, codes[usable].T / 255.0

@@ -17,7 +17,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from facecrf_ocio.pair.bracket_pixels import SmallBracket, flat_patches, warped
+from facecrf_ocio.pair.bracket_pixels import SmallBracket, warped
 from facecrf_ocio.values import Bool, Float, InverseCRF, Photo
 
 Image = npt.NDArray[np.float32]
@@ -102,19 +102,27 @@ def merge_bracket(
     return Merged(linear.astype(np.float32), reference, tuple(map(float, moved)))
 
 
-def refined_stops(bracket: SmallBracket, curve: InverseCRF, *, center_only: bool = False) -> Float:
+def refined_stops(stops: Float, codes: Float, usable: Bool, curve: InverseCRF) -> Float:
     """(J,) exposures as the pixels have them, by a curve that is known.
 
     Each is judged against its neighbor by patches that both show; an exposure of which they say
     nothing, or nothing likely, stays what it was.
+
+    Parameters
+    ----------
+    stops
+        (J,) exposures as told.
+    codes, usable
+        Of patches, as `flat_patches` gives them.
+    curve
+        The camera's inverse response.
     """
-    codes, usable = flat_patches(bracket, center_only=center_only)
     light = np.log2(np.maximum(curve.linearize(codes / 255.0), 1e-6)).mean(axis=2)
-    order = np.argsort(bracket.stops, kind="stable")
-    refined = bracket.stops.astype(np.float64).copy()
+    order = np.argsort(stops, kind="stable")
+    refined = stops.astype(np.float64).copy()
     for low, high in pairwise(order):
         both = usable[low] & usable[high]
-        told = float(bracket.stops[high] - bracket.stops[low])
+        told = float(stops[high] - stops[low])
         found = float(np.median(light[high, both] - light[low, both])) if both.any() else told
         if both.sum() < _FEWEST or abs(found - told) > _FARTHEST:
             found = told
