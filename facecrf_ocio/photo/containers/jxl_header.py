@@ -4,9 +4,8 @@ from __future__ import annotations
 
 _CODESTREAM, _CONTAINER = b"\xff\x0a", b"\0\0\0\x0cJXL \r\n\x87\n"
 _HEAD = 64  # [byte] of a codestream; what is asked for lies in the first 40 at most
-# Bits of a size that is no multiple of 8, and of a preview's of either kind, by their selectors.
-_SIZE = (9, 13, 18, 30)
-_PREVIEW, _PREVIEW_BY_8 = (6, 8, 10, 12), (0, 0, 5, 9)
+_SIZE = (9, 13, 18, 30)  # [bit] of a side that is no multiple of 8, by its selector
+_PREVIEW, _PREVIEW_BY_8 = (6, 8, 10, 12), (0, 0, 5, 9)  # [bit] of a preview's, likewise
 
 
 def moves(content: bytes) -> bool:
