@@ -487,7 +487,7 @@ class TestNotesOnTheTerminal:
 
     @pytest.mark.parametrize("command", ["calibrate", "linearize"])
     def test_beside_a_refusal(self, facecrf, stray: Path, tmp_path: Path, command: str) -> None:
-        ended = facecrf(command, stray, "-o", tmp_path / "a.exr")
+        ended = facecrf(command, stray, "-o", tmp_path / "out")
         refusal, note = ended.err.splitlines()
         assert "not calibrated" in refusal
         assert note.startswith("  note: 3 stray bytes")
