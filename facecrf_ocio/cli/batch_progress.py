@@ -12,11 +12,12 @@ from facecrf_ocio.cli.live import Bar, in_words
 from facecrf_ocio.cli.terminal import say
 from facecrf_ocio.errors import in_options
 from facecrf_ocio.files.plain_text import counted, one_line
+from facecrf_ocio.settings import VERDICTS
 
 if TYPE_CHECKING:
     from facecrf_ocio.archive.job import Event
 
-KINDS = ("reliable", "weak", "prior only", "no curve", "failed")
+KINDS = (*reversed(VERDICTS), "no curve", "failed")
 _PLAIN_EVERY = 30.0  # [s] between two lines where there is no terminal
 _MOST_TOLD = 8  # kinds of files that are no photos, links; the others are counted
 

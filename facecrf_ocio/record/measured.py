@@ -11,7 +11,7 @@ import numpy.typing as npt
 from facecrf_ocio.cameras.known_cameras import POINTS, KnownCamera
 from facecrf_ocio.errors import LutError
 from facecrf_ocio.record.calibration_record import Record
-from facecrf_ocio.values import Camera, Confidence, Estimate, Float, InverseCRF
+from facecrf_ocio.values import Camera, Confidence, Estimate, Float, InverseCRF, Verdict
 
 MEASURED = ("pair", "bracket", "chart")
 """Estimators that measure; what others found in a photo is no measurement of a camera."""
@@ -42,7 +42,7 @@ def entry(camera: Camera, estimate: Estimate, proof: str) -> KnownCamera:
     """A measurement as the registry holds it."""
     at, curve, told = np.linspace(0.0, 1.0, POINTS), estimate.curve, estimate.confidence
     rows = rounded([np.interp(at, curve.encoded, row) for row in curve.linear])
-    grade = "B" if told is not None and told.verdict.value == "reliable" else "C"
+    grade = "B" if told is not None and told.verdict is Verdict.RELIABLE else "C"
     spread = 0.1 if told is None else spread_stops(curve, told)
     return KnownCamera(
         camera.make, camera.model, "", estimate.estimator, grade, spread, proof, rows

@@ -11,8 +11,9 @@ from facecrf_ocio.archive.manifest.database import DONE
 from facecrf_ocio.archive.manifest.read_only import Fields, reading
 from facecrf_ocio.archive.task import FAILED
 from facecrf_ocio.errors import in_options
+from facecrf_ocio.settings import VERDICTS
 
-KINDS = ("reliable", "weak", "prior only", "no curve", "failed", "unfinished")
+KINDS = (*reversed(VERDICTS), "no curve", "failed", "unfinished")
 
 
 @dataclass(frozen=True, slots=True)

@@ -56,24 +56,28 @@ const axisNames = (across, height, upward, below, beside) => [
     beside,
   ),
 ];
-const inColor = (channels, kind, i) => (channels.length === 1 ? "" : ` ${kind}${"rgb"[i]}`);
-
-function plot(index, width, height, label) {
-  const channels = curveOf(index);
-  const large = width > 200;
-  const [left, bottom, edge] = large ? [44, 40, 8] : [1, 1, 1];
-  const x = (u) => (left + u * (width - left - edge)).toFixed(1);
-  const y = (v) => (edge + (1 - Math.min(Math.max(v, 0), 1)) * (height - bottom - edge)).toFixed(1);
-  const u = (i) => i / (DATA.srgb.length - 1);
-  const at = (i, v) => `${x(u(i))} ${y(v)}`;
-  const picture = svg("svg", {
+// An empty plot, and how far its axes are from its left, its bottom and its other edges.
+const MARGINS = [44, 40, 8];
+const emptyPlot = (width, height, label) =>
+  svg("svg", {
     class: "plot",
     width,
     height,
     viewBox: `0 0 ${width} ${height}`,
     role: "img",
-    "aria-label": label || told(channels),
+    "aria-label": label,
   });
+const inColor = (channels, kind, i) => (channels.length === 1 ? "" : ` ${kind}${"rgb"[i]}`);
+
+function plot(index, width, height, label) {
+  const channels = curveOf(index);
+  const large = width > 200;
+  const [left, bottom, edge] = large ? MARGINS : [1, 1, 1];
+  const x = (u) => (left + u * (width - left - edge)).toFixed(1);
+  const y = (v) => (edge + (1 - Math.min(Math.max(v, 0), 1)) * (height - bottom - edge)).toFixed(1);
+  const u = (i) => i / (DATA.srgb.length - 1);
+  const at = (i, v) => `${x(u(i))} ${y(v)}`;
+  const picture = emptyPlot(width, height, label || told(channels));
   if (large) {
     for (const tick of [0, 0.25, 0.5, 0.75, 1]) {
       picture.append(

@@ -2,20 +2,14 @@
 const STOPS_SHOWN = 2;
 function plotStops(index, width, height) {
   const channels = curveOf(index);
-  const [left, bottom, edge] = [44, 40, 8];
+  const [left, bottom, edge] = MARGINS;
   const first = Math.round((16 / 255) * (DATA.srgb.length - 1));
   const u = (k) => k / (DATA.srgb.length - 1);
   const x = (v) => (left + v * (width - left - edge)).toFixed(1);
   const y = (v) => (edge + (0.5 - v / (2 * STOPS_SHOWN)) * (height - bottom - edge)).toFixed(1);
   const at = (k, v) => `${x(u(first + k))} ${y(v)}`;
-  const picture = svg("svg", {
-    class: "plot",
-    width,
-    height,
-    viewBox: `0 0 ${width} ${height}`,
-    role: "img",
-    "aria-label": "Stops above sRGB at each code value, equal at code 128",
-  });
+  const label = "Stops above sRGB at each code value, equal at code 128";
+  const picture = emptyPlot(width, height, label);
   for (const tick of [-2, -1, 0, 1, 2]) {
     picture.append(
       svg("line", {
