@@ -67,6 +67,38 @@ def change_of_colors(codes: Float, curve: StartCurve, placed: Placed, tile: Inde
     tile
         (V,) part of the picture of each.
     """
+    solved = _solved(codes, curve, placed)
+    parts, bright, to_mean = solved.parts, solved.turned[0], len(CHANNELS) ** -0.5
+    ours = np.linalg.inv(solved.system)[-CHANGES:]
+    scores: Float = np.zeros((TILES**2, parts.size))
+    for one, pull in zip(solved.turned, solved.pulls, strict=True):
+        np.add.at(scores, tile, one.columns * pull[:, None])
+    moved = -(bright.of_fields[:, -1] + bright.of_fields[:, :-1] @ parts)
+    return Change(
+        parts[-CHANGES:],
+        ours @ scores.T / ALIKE,
+        ours @ _precision(curve) @ ours.T,
+        bright.of_frames * to_mean,
+        moving_light(moved, placed) * to_mean,
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Solved:
+    """The bends that brightness and both colors ask for together.
+
+    `parts` (N,) of each bend, `system` (N, N) that they solve, `turned` brightness and colors as
+    last weighed, `pulls` (3, V) what each value of these still asks for, by its weight.
+    """
+
+    parts: Float
+    system: Float
+    turned: tuple[_Turned, ...]
+    pulls: Float
+
+
+def _solved(codes: Float, curve: StartCurve, placed: Placed) -> _Solved:
+    """Of codes (V, 3), weighed anew until what is far off has little say."""
     first = np.flatnonzero(np.diff(placed.point, prepend=-1))
     light, fields, known = curve.light(codes), field_columns(placed), _precision(curve)
     turned, fitted = light @ _TURNED.T, codes
@@ -75,7 +107,7 @@ def change_of_colors(codes: Float, curve: StartCurve, placed: Placed, tile: Inde
         # Columns are those of fitted codes: noise would be in them and in what they explain.
         columns, noise = _columns(fitted, curve, placed), _noise(fitted, curve)[:, None]
         for _ in range(REWEIGHTED):
-            steps = [
+            steps = tuple(
                 _step(
                     np.column_stack([columns[:, one], fields, turned[:, one]]),
                     one,
@@ -84,29 +116,19 @@ def change_of_colors(codes: Float, curve: StartCurve, placed: Placed, tile: Inde
                     first,
                 )
                 for one, each in enumerate(weights.T)
-            ]
+            )
             system = known + np.sum([one.system for one in steps], axis=0)
             parts = -np.linalg.solve(system, np.sum([one.pull for one in steps], axis=0))
             left = np.stack([one.light + one.columns @ parts for one in steps], axis=1)
-            standard = left / noise
-            weights = np.column_stack(
-                [weights_of(standard[:, :1], first), weights_of(standard[:, 1:], first)]
-            )
-            weights /= noise**2
+            weights = _weights(left / noise, first) / noise**2
         fitted = curve.codes(light - left @ _TURNED)
-    ours = np.linalg.inv(system)[-CHANGES:]
-    scores: Float = np.zeros((TILES**2, parts.size))
-    for step, pulling in zip(steps, (weights * left).T, strict=True):
-        np.add.at(scores, tile, step.columns * pulling[:, None])
-    bright, to_mean = steps[0], len(CHANNELS) ** -0.5
-    moved = -(bright.of_fields[:, -1] + bright.of_fields[:, :-1] @ parts)
-    return Change(
-        parts[-CHANGES:],
-        ours @ scores.T / ALIKE,
-        ours @ known @ ours.T,
-        bright.of_frames * to_mean,
-        moving_light(moved, placed) * to_mean,
-    )
+    return _Solved(parts, system, steps, (weights * left).T)
+
+
+def _weights(standard: Float, first: Index) -> Float:
+    """(V, 3) of residuals (V, 3) in units of noise, of brightness and of colors by themselves."""
+    alone = [weights_of(part, first) for part in (standard[:, :1], standard[:, 1:])]
+    return np.column_stack(alone)
 
 
 def _noise(codes: Float, curve: StartCurve) -> Float:

@@ -14,7 +14,6 @@ import numpy as np
 
 from facecrf_ocio.clip.point_values import (
     Values,
-    centered,
     compared,
     log_light,
     robust_weights,
@@ -24,6 +23,7 @@ from facecrf_ocio.clip.point_values import (
 from facecrf_ocio.clip.shared_light import ALIKE_IN_TIME, solve_drift
 from facecrf_ocio.clip.tracked_points import TrackedPoints
 from facecrf_ocio.joint.prior import FamilyPrior, Posterior
+from facecrf_ocio.response.own_light import without_own_light
 from facecrf_ocio.values import CHANNELS, Float
 
 _ROUNDS = 5  # of direction and course in turn: where exposure is fixed they come near slowly
@@ -104,7 +104,7 @@ def course_of_points(
 def _exposures(values: Values, found: Float, prior: FamilyPrior) -> Float:
     """(J,) log2 of what frames were exposed by, as points show it."""
     light = log_light(values.codes, values, found, prior)
-    apart = centered(light[:, None], np.ones(light.size), values.first)[:, 0]
+    apart = without_own_light(light[:, None], np.ones(light.size), values.first)[:, 0]
     frame = values.group // len(CHANNELS)
     return np.array([np.median(apart[frame == one]) for one in range(frame.max() + 1)])
 

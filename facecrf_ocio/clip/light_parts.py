@@ -14,6 +14,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from facecrf_ocio.joint.prior import FamilyPrior, Posterior
+from facecrf_ocio.response.own_light import one_each
 from facecrf_ocio.values import Float, Index
 
 CHANGES = 5  # bends of a change: those of cameras are smooth, and more of them tell less
@@ -153,8 +154,7 @@ def without_exponent(columns: Float, light: Float) -> Float:
 
 def field_columns(placed: Placed) -> Float:
     """Light that moves over the picture: in proportion to time, and some of it freely."""
-    shown = np.zeros((placed.time.size, placed.frames))
-    shown[np.arange(placed.time.size), placed.frame] = 1.0
+    shown = one_each(placed.frame, placed.frames)
     free = [placed.fields[:, [one]] * shown[:, 1:] for one in np.flatnonzero(_is_free(placed))]
     return np.column_stack([placed.fields * placed.time[:, None], *free])
 

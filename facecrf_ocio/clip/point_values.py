@@ -9,6 +9,7 @@ import numpy as np
 from facecrf_ocio.clip.light_parts import Placed
 from facecrf_ocio.clip.tracked_points import TrackedPoints
 from facecrf_ocio.joint.prior import FamilyPrior
+from facecrf_ocio.response.own_light import one_each, without_own_light
 from facecrf_ocio.response.robust import biweight, biweight_of_squares, robust_deviation
 from facecrf_ocio.values import CHANNELS, Bool, Float, Index
 
@@ -147,21 +148,11 @@ def robust_weights(left: Float, noise: Float) -> Float:
 
 def unexplained(columns: Float, weights: Float, values: Values, alike: float) -> Float:
     """Columns (V, K) less what one number a point and one a frame and channel explain of them."""
-    apart = centered(columns, weights, values.first)
-    shown: Float = np.zeros((len(columns), values.groups))
-    shown[np.arange(len(columns)), values.group] = 1.0
-    shown = centered(shown, weights, values.first)
+    apart = without_own_light(columns, weights, values.first)
+    shown = without_own_light(one_each(values.group, values.groups), weights, values.first)
     normal = shown.T @ (shown * weights[:, None]) + np.eye(values.groups) * alike / values.loose**2
     explained = np.linalg.solve(normal, shown.T @ (apart * weights[:, None]))
     return np.asarray(apart - shown @ explained)
-
-
-def centered(columns: Float, weights: Float, first: np.typing.NDArray[np.intp]) -> Float:
-    """Columns (V, K) less their weighted means over the values of points, by each one's `first`."""
-    sums = np.add.reduceat(columns * weights[:, None], first)
-    total = np.maximum(np.add.reduceat(weights, first), 1e-12)
-    count = np.diff(first, append=len(columns))
-    return np.asarray(columns - np.repeat(sums / total[:, None], count, axis=0))
 
 
 def beside_frames(
@@ -171,9 +162,8 @@ def beside_frames(
 
     `first` (P,) is the place of each point's first value.
     """
-    shown: Float = np.zeros((len(columns), placed.frames))
-    shown[np.arange(len(columns)), placed.frame] = 1.0
-    shown, apart = centered(shown, weights, first), centered(columns, weights, first)
+    shown = without_own_light(one_each(placed.frame, placed.frames), weights, first)
+    apart = without_own_light(columns, weights, first)
     heavy = shown * weights[:, None]
     normal = shown.T @ heavy + _LOOSE * np.eye(placed.frames)
     of_frames = np.linalg.solve(normal, heavy.T @ apart)

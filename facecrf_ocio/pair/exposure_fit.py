@@ -16,6 +16,7 @@ from scipy.interpolate import BSpline
 from scipy.sparse.csgraph import connected_components
 
 from facecrf_ocio.pair.response_bends import DEGREE, SIZE, knots, known_bends
+from facecrf_ocio.response.own_light import without_own_light
 from facecrf_ocio.response.robust import biweight, robust_deviation
 from facecrf_ocio.values import CHANNELS, Bool, Float, Index
 
@@ -94,10 +95,10 @@ def fit_exposures(
         weights = _weights(values, solution)[0] if solution.size else values.even
         told = np.bincount(values.shot, weights.sum(axis=0), len(stops)).astype(np.float64)
         prior, right = _prior(stops, smoothness, _held(stops, told, linked))
-        centered = [
-            _centered(a, w, values.first) for a, w in zip(values.rows, weights, strict=True)
+        rows = [
+            without_own_light(a, w, values.first) for a, w in zip(values.rows, weights, strict=True)
         ]
-        solution = np.linalg.solve(prior + _normal(centered, weights, len(stops)), right)
+        solution = np.linalg.solve(prior + _normal(rows, weights, len(stops)), right)
     raw, kept = _weights(values, solution)[1:]
     grid = np.arange(CODES) / 255.0
     light = np.array([_spline(solution, c)(grid) for c in range(len(CHANNELS))])
@@ -145,7 +146,7 @@ def _weights(values: _Values, solution: Float) -> tuple[Float, float, float]:
     weight = 1.0 / spread**2
     residual = np.array(
         [
-            _centered(p[:, None], w, values.first)[:, 0]
+            without_own_light(p[:, None], w, values.first)[:, 0]
             for p, w in zip(predicted, weight, strict=True)
         ]
     )
@@ -153,17 +154,6 @@ def _weights(values: _Values, solution: Float) -> tuple[Float, float, float]:
     scale = max(float(np.median(standard)), _FEWEST_SPREAD)
     tukey = biweight(standard, scale)
     return weight * tukey / scale**2, robust_deviation(residual), float((tukey > 0.0).mean())
-
-
-def _centered(rows: Float, weights: Float, first: Index) -> Float:
-    """Rows less their weighted mean over each point, which takes out the point's own light.
-
-    Rows (N, U) of a point follow each other; `first` (P,) holds the place of its first.
-    """
-    sums = np.add.reduceat(rows * weights[:, None], first)
-    total = np.maximum(np.add.reduceat(weights, first), 1e-9)
-    count = np.diff(first, append=len(rows))
-    return np.asarray(rows - np.repeat(sums / total[:, None], count, axis=0))
 
 
 def _normal(rows: list[Float], weights: Float, shots: int) -> Float:
