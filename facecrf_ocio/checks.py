@@ -184,7 +184,9 @@ def checked_pixels(
         raise PhotoError(
             path,
             f"has encoded values from {low:.3g} to {high:.3g}, outside of 0 to 1",
-            "scale them to [0, 1], or pass scene_linear=True if they are linear light",
+            "scale them to [0, 1], or pass scene_linear=True if they are linear light"
+            if path is None
+            else "save it with values from 0 to 1, or as EXR if they are linear light",
         )
     return encoded
 

@@ -67,6 +67,8 @@ def test_pixels_must_be_finite(bad, scene_linear):
 def test_encoded_values_lie_between_0_and_1(bad):
     pixels = np.full((3, 3, 3), 0.5)
     pixels[0, 0, 0] = bad
+    with pytest.raises(PhotoError, match="save it with values from 0 to 1, or as EXR"):
+        Photo(encoded=pixels, path=Path("a.jxl"))  # who reads a file has no arguments to pass
     with pytest.raises(PhotoError, match=r"outside of 0 to 1; scale them to \[0, 1\], or pass"):
         Photo(encoded=pixels)
     assert Photo(encoded=pixels, scene_linear=True).encoded[0, 0, 0] == np.float32(bad)
