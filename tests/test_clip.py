@@ -349,7 +349,10 @@ def test_frames_that_cannot_be_read_cost_neither_the_clip_nor_silence(capfd, tmp
     assert f"{told} (the PNG ends early); without an EXR" in ended.err
     assert "7 frames" in ended.out
     record = json.loads((tmp_path / "out" / "in.crf.json").read_text())
-    assert record["source"]["notes"][-1].startswith(told)
+    notes = record["source"]["notes"]
+    assert notes[-1].startswith(told)
+    assert any(note.startswith("frames ") and note.endswith(" of 9") for note in notes)
+    assert any("the curve" in note and "drift" in note for note in notes)
     exrs = {path.name for path in (tmp_path / "out" / "in.exr").iterdir()}
     assert exrs == {f"in.{n:04d}.exr" for n in (2, 3, 4, 6, 7, 8, 9)}
 

@@ -92,7 +92,7 @@ def clip(
         first = opened.first(found.frames or range(len(opened.times)))
 
         def write(*, overwrite: bool) -> tuple[Path, ...]:
-            told = tuple(filter(None, (*first.notes, *opened.notes, opened.left_out())))
+            told = (*first.notes, *_what_it_tells(opened, found), *_what_is_wrong(opened))
             named = first.but(path=opened.path, notes=told)
             curves = (("", estimate), *_own_curves(found))
             return tuple(
@@ -105,7 +105,8 @@ def clip(
             )  # fmt: skip
 
         written = write(overwrite=chosen.overwrite or exr)
-    code = tell(source, estimate, written, notes=_notes(opened, found), verbose=chosen.verbose)
+    notes = (*_what_is_wrong(opened), *_what_it_tells(opened, found))
+    code = tell(source, estimate, written, notes=notes, verbose=chosen.verbose)
     if exr:
         known = len(opened.unread)
         how: dict[str, Any] = {"compression": compression, "overwrite": chosen.overwrite}
@@ -126,8 +127,12 @@ def _own_curves(found: ClipEstimate) -> Iterator[tuple[str, Estimate]]:
         yield f".stretch{number}", stretch.estimate
 
 
-def _notes(opened: Clip, found: ClipEstimate) -> tuple[str, ...]:
-    notes = list(filter(None, (*opened.notes, opened.left_out())))
+def _what_is_wrong(opened: Clip) -> tuple[str, ...]:
+    return tuple(filter(None, (*opened.notes, opened.left_out())))
+
+
+def _what_it_tells(opened: Clip, found: ClipEstimate) -> tuple[str, ...]:
+    notes = []
     if found.frames:
         numbers = ", ".join(str(index + 1) for index in found.frames)
         notes.append(f"frames {numbers} of {len(opened.times)}")
