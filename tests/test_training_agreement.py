@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from photo_files import write
 
 from facecrf_ocio import read_photo
+from facecrf_ocio.joint import shipped_joint
 from facecrf_ocio.joint.evidence import observe
-from facecrf_ocio.joint.prior import FamilyPrior
+from facecrf_ocio.joint.prior import FAMILIES, FamilyPrior
 from facecrf_ocio.joint.statistics import CUES
 from facecrf_ocio.settings import JointSettings
 from facecrf_ocio.training.portraits import (
@@ -52,6 +53,43 @@ def test_versions_are_the_portrait_and_the_portrait_through_curves(tmp_path):
     np.testing.assert_array_equal(again.curves, seen.curves)
     for cue in CUES:
         np.testing.assert_array_equal(again.by_cue[cue], seen.by_cue[cue])
+
+
+@given(st.integers(0, 1000))
+def test_a_truth_through_a_known_curve_is_what_that_curve_makes_of_it(seed):
+    """Coefficients of g(h^-1), against that curve itself, where the basis can bend so."""
+    pytest.importorskip("torch", reason="needs the extra train")
+    from facecrf_ocio.training.likely_truths import through  # noqa: PLC0415
+
+    prior = shipped_joint().prior
+    generator = np.random.default_rng(seed)
+    known = GRID ** np.exp(generator.normal(0.0, 0.15))
+    coefficients = prior.means[-1] + 0.3 * generator.standard_normal(prior.means.shape[1])
+    offset, turned = through(prior, known.astype(np.float32))
+    root = prior.mean + coefficients @ prior.basis
+    expected = np.interp(np.interp(prior.grid, known, GRID), prior.grid, root)
+    found = prior.mean + (offset + coefficients @ turned) @ prior.basis
+    assert np.sqrt(np.mean((found - expected) ** 2)) < 0.01
+
+
+def test_truths_are_spread_as_the_cameras_prior_is():
+    torch = pytest.importorskip("torch", reason="needs the extra train")
+    from facecrf_ocio.training.likely_truths import LikelyTruths  # noqa: PLC0415
+
+    torch.manual_seed(0)
+    prior = shipped_joint().prior
+    plain = Versions(
+        GRID.astype(np.float32)[None, None], {cue: np.zeros((1, 1, 2), np.float32) for cue in CUES}
+    )
+    likely = LikelyTruths(prior, plain, {cue: (np.zeros(2), np.ones(2)) for cue in CUES})
+    drawn = likely.truths(torch.zeros(20000, dtype=torch.int64)).numpy()
+    cameras = prior.family == FAMILIES.index("camera")
+    share = prior.weights[cameras] / prior.weights[cameras].sum()
+    mean = share @ prior.means[cameras]
+    away = prior.means[cameras] - mean
+    spread = np.einsum("k,kij->ij", share, prior.covariances[cameras]) + (away.T * share) @ away
+    np.testing.assert_allclose(drawn.mean(axis=0), mean, atol=0.05)
+    np.testing.assert_allclose(drawn.std(axis=0), np.sqrt(np.diag(spread)), rtol=0.05)
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import torch
-from torch import nn
+from torch import Tensor, nn
 
 from facecrf_ocio.benchmark.chart_cameras import FITTED, with_chart_cameras
 from facecrf_ocio.joint.familiarity import fit_familiarity
@@ -31,15 +31,17 @@ from facecrf_ocio.training.cue_networks import (
     new_networks,
     scaling_of,
 )
+from facecrf_ocio.training.likely_truths import LikelyTruths
 from facecrf_ocio.training.parts import Examples
-from facecrf_ocio.training.plan import AGREEMENT, EPOCHS, MEMBERS
+from facecrf_ocio.training.plan import AGREEMENT, EPOCHS, LIKELY_TRUTHS, MEMBERS
 from facecrf_ocio.training.portraits import Versions
-from facecrf_ocio.training.posterior import PosteriorLoss
+from facecrf_ocio.training.posterior import Loss, PosteriorLoss
 from facecrf_ocio.training.weights import describe, save_joint
 from facecrf_ocio.values import Float, Index
 
 _BATCH = 256  # photos; chosen by judgment
 _PAIRS = 64  # of versions of portraits, beside each batch; chosen by judgment
+_VERSIONS = 64  # of portraits, whose truths are drawn, beside each batch; chosen by judgment
 _SHARES = np.array([0.5, 0.25, 0.25])  # of the families in the mean and the spread
 # What counts as one: an error of 3 %, a tenth of a stop in the tones and 0.3 in the shadows.
 _ERROR, _TONES, _SHADOWS = 0.03, 0.1, 0.3
@@ -64,6 +66,8 @@ class Training:
         Networks per cue, differing in their seed.
     agreement
         Weight of how far estimates of two versions of a portrait are apart, where there are any.
+    likely_truths
+        Weight of what estimates of portraits are worth for truths as likely as cameras' are.
     """
 
     epochs: int = EPOCHS
@@ -74,6 +78,7 @@ class Training:
     told: float = 0.25
     members: int = MEMBERS
     agreement: float = AGREEMENT
+    likely_truths: float = LIKELY_TRUTHS
 
 
 def fit_prior(inverse: Float, family: Index) -> tuple[FamilyPrior, Float]:
@@ -117,8 +122,11 @@ def fit_networks(
     training: Training,
     seed: int,
     portraits: Versions | None = None,
+    likely: FamilyPrior | None = None,
 ) -> dict[str, Float]:
     """Train one network for each cue, and one that sees all of them, together.
+
+    The prior is that of the fusion; truths of portraits are drawn from the likely one.
 
     Returns
     -------
@@ -133,7 +141,10 @@ def fit_networks(
     truth = torch.tensor((roots - prior.mean) @ analysis, dtype=torch.float32)
     family = torch.tensor(examples.family_of_kind)
     posterior = PosteriorLoss(prior)
-    agreement = None if portraits is None else Agreement(prior, portraits, scaling)
+    agreement = truths = None
+    if portraits is not None:
+        agreement = Agreement(prior, portraits, scaling)
+        truths = LikelyTruths(prior if likely is None else likely, portraits, scaling)
     networks = new_networks(given, training.dropout)
     size = min(_BATCH, len(examples))
     batches = len(examples) // size
@@ -147,23 +158,30 @@ def fit_networks(
             luck = torch.rand(len(chosen))
             told, hinted = luck < training.told, luck > 1.0 - training.told
             weights = posterior.weights(family[chosen], told, hinted)
-            loss = posterior.judge(mean, precision, weights, truth[chosen])
-            total = (
-                _LIKELIHOOD * torch.clamp(loss.likelihood, max=_MOST_LIKELIHOOD)
-                + loss.error / _ERROR
-                + loss.tones / _TONES
-                + loss.shadows / _SHADOWS
-            ).mean()
-            if agreement is not None:
+            total = _cost(posterior.judge(mean, precision, weights, truth[chosen]))
+            if agreement is not None and truths is not None:
                 apart = agreement.apart(networks, posterior, _PAIRS, training.cue_dropout)
                 disagreement = (apart.error / _ERROR + apart.tones / _TONES).mean()
+                real = truths.judge(networks, posterior, _VERSIONS, training.cue_dropout)
                 total = total + training.agreement * disagreement
+                total = total + training.likely_truths * _cost(real)
             optimizer.zero_grad()
             total.backward()  # type: ignore[no-untyped-call]
             nn.utils.clip_grad_norm_(networks.parameters(), 5.0)
             optimizer.step()
             schedule.step()
     return arrays_of(networks, scaling)
+
+
+def _cost(loss: Loss) -> Tensor:
+    """The mean over photos of what is minimized."""
+    of_each = (
+        _LIKELIHOOD * torch.clamp(loss.likelihood, max=_MOST_LIKELIHOOD)
+        + loss.error / _ERROR
+        + loss.tones / _TONES
+        + loss.shadows / _SHADOWS
+    )
+    return of_each.mean()
 
 
 def fit_joint(
@@ -188,12 +206,15 @@ def fit_joint(
     simulated
         What the file shall tell of how the examples were made.
     portraits
-        Whose versions shall agree, if any.
+        Whose versions shall agree, and whose truths are as likely as cameras' are, if any.
     """
     torch.set_num_threads(1)
     prior, analysis = fit_prior(np.asarray(examples.inverse, np.float64), examples.family_of_kind)
+    # Not in the fusion before: networks that are fitted beside it trust it too much, since it was
+    # made of curves that they see, and err more through those of other makers.
+    likely = with_chart_cameras(prior, without)
     members = [
-        fit_networks(examples, prior, analysis, training, seed, portraits)
+        fit_networks(examples, prior, analysis, training, seed, portraits, likely)
         for seed in range(training.members)
     ]
     made = {
@@ -204,10 +225,7 @@ def fit_joint(
         **asdict(training),
         **simulated,
     }
-    # Not before: networks that are fitted beside it trust it too much, since it was made of curves
-    # that they see, and err more through those of other makers.
-    prior = with_chart_cameras(prior, without)
-    save_joint(path, prior, members, fit_familiarity(_standardized(examples)), describe(made))
+    save_joint(path, likely, members, fit_familiarity(_standardized(examples)), describe(made))
 
 
 def _standardized(examples: Examples) -> Float:

@@ -23,6 +23,7 @@ SEED = 1  # any; the band is measured with another
 EPOCHS = 14  # 1,400 steps; more passes lowered the error of no photo but those trained on
 MEMBERS = 2  # networks a cue, which are averaged; a third takes 1 % of the error, and 250 kB
 AGREEMENT = 0.5  # weight of how far estimates of two versions of a portrait are apart
+LIKELY_TRUTHS = 0.5  # weight of what estimates of portraits are worth for truths like cameras'
 PORTRAITS_SEED = 4  # any; of the known curves that portraits are sent through
 HELD_OUT_MEMBERS = 1  # the bench needs twenty, each fitted anew
 BAND_PHOTOS = 600  # that the band is measured with: 50 of each head `dev_*`
