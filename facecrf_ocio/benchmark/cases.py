@@ -27,7 +27,7 @@ HELD_OUT, PAPER = "held-out", "paper"
 _MEASURED = (
     "*.py",
     *(f"{room}/**/*.{kind}" for room in ("face", "joint", "published") for kind in ("py", "npz")),
-    *("response/*.py", "response/*.npz", "face/models/*.tflite", "face/models/*.onnx"),
+    *("response/*.py", "response/*.npz", "face/models/*.halves", "face/models/*.onnx"),
     *("photo/raster/pixels.py", "color/primaries.py"),
     *(f"benchmark/{name}.py" for name in ("cases", "folds", "joint_folds", "metrics", "responses")),
     *(f"benchmark/{name}.py" for name in ("conditions", "stress", "stress_camera")),

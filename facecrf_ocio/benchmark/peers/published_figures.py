@@ -38,8 +38,8 @@ _BLIND = (
 )
 # `facecrf bench stress`, a day's photos through held-out DoRF responses; see docs/accuracy.md.
 _OURS = (
-    ("`facecrf calibrate`, rendered heads", "4.7", "13.5"),
-    ("`facecrf calibrate`, real photos", "8.6", "22.7"),
+    ("`facecrf calibrate`, rendered heads", "5.5", "13.7"),
+    ("`facecrf calibrate`, real photos", "8.7", "21.4"),
 )
 
 

@@ -21,7 +21,8 @@ from facecrf_oiio.store import can_store, store
 _LINEAR = (oiio.HALF, oiio.FLOAT)
 _GRAY = ("Y", "I", "L", "GRAY", "LUMINANCE")
 _AS_THEY_ARE = (oiio.UINT8, oiio.UINT16, oiio.HALF)
-_KEPT = {"Orientation", "compression"}  # true here, since nothing is turned
+# True here, since nothing is turned and parts stay what they are.
+_KEPT = {"Orientation", "PixelAspectRatio", "compression", "name"}
 
 
 def linearize(
