@@ -78,10 +78,7 @@ def test_truths_are_spread_as_the_cameras_prior_is():
 
     torch.manual_seed(0)
     prior = shipped_joint().prior
-    plain = Versions(
-        GRID.astype(np.float32)[None, None], {cue: np.zeros((1, 1, 2), np.float32) for cue in CUES}
-    )
-    likely = LikelyTruths(prior, plain, {cue: (np.zeros(2), np.ones(2)) for cue in CUES})
+    likely = LikelyTruths(prior, GRID[None], {})
     drawn = likely.truths(torch.zeros(20000, dtype=torch.int64)).numpy()
     cameras = prior.family == FAMILIES.index("camera")
     share = prior.weights[cameras] / prior.weights[cameras].sum()

@@ -144,7 +144,8 @@ def fit_networks(
     agreement = truths = None
     if portraits is not None:
         agreement = Agreement(prior, portraits, scaling)
-        truths = LikelyTruths(prior if likely is None else likely, portraits, scaling)
+        curves = portraits.curves.reshape(-1, portraits.curves.shape[2])
+        truths = LikelyTruths(prior if likely is None else likely, curves, agreement.given)
     networks = new_networks(given, training.dropout)
     size = min(_BATCH, len(examples))
     batches = len(examples) // size

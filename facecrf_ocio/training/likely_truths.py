@@ -8,16 +8,12 @@ a cue says of real photos is learned from h, and how sure it may be from the spr
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 import torch
 from torch import Tensor, nn
 
 from facecrf_ocio.joint.prior import FAMILIES, FamilyPrior
-from facecrf_ocio.joint.statistics import CUES
-from facecrf_ocio.training.cue_networks import fuse, inputs_of, left_in
-from facecrf_ocio.training.portraits import Versions
+from facecrf_ocio.training.cue_networks import Given, fuse, left_in
 from facecrf_ocio.training.posterior import Loss, PosteriorLoss
 from facecrf_ocio.values import Float
 
@@ -35,21 +31,14 @@ class LikelyTruths:
     ----------
     likely
         The prior that truths are drawn from; its mean and basis are those of the coefficients.
-    portraits
-        Versions of N portraits, K of each.
-    scaling
-        Of the statistics of each cue.
+    curves
+        (N, L) the known curve of each version.
+    given
+        What the networks are given of each.
     """
 
-    def __init__(
-        self,
-        likely: FamilyPrior,
-        portraits: Versions,
-        scaling: Mapping[str, tuple[Float, Float]],
-    ) -> None:
-        flat = {cue: np.concatenate(list(portraits.by_cue[cue])) for cue in CUES}
-        self.given = {cue: inputs_of(flat[cue], *scaling[cue]) for cue in CUES}
-        curves = portraits.curves.reshape(-1, portraits.curves.shape[2])
+    def __init__(self, likely: FamilyPrior, curves: Float, given: Given) -> None:
+        self.given = given
         offsets, turned = zip(*(through(likely, curve) for curve in curves), strict=True)
         self.offsets = torch.tensor(np.array(offsets), dtype=torch.float32)
         self.turned = torch.tensor(np.array(turned), dtype=torch.float32)
