@@ -247,6 +247,13 @@ class TestBadInput:
         assert ended.code == 3
         assert "is one photo, and no bracket" in ended.err
 
+    def test_one_photo_that_tells_no_time_is_still_but_one(self, capfd, tmp_path):
+        one = self.picture(tmp_path / "a.jpg", 60)
+        for command, out in (("bracket", "out"), ("merge", "out.exr")):
+            ended = CommandLine(capfd)(command, one, "-o", tmp_path / out)
+            assert ended.code == 3
+            assert "is one photo, and no bracket" in ended.err
+
     def test_mixed_sizes(self, capfd, tmp_path):
         photos = [
             self.picture(tmp_path / f"{n}.jpg", 60 + 8 * n, **exposed(n, n)) for n in range(2)

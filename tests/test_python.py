@@ -63,6 +63,12 @@ def test_a_photo_given_for_a_record_is_told_in_a_few_words(tmp_path):
         read_curve(tmp_path / "a.jpg")
 
 
+def test_a_lut_given_for_a_record_is_told_in_a_few_words(tmp_path):
+    (tmp_path / "a.spi1d").write_text("Version 1\nFrom 0.0 1.0\n")
+    with pytest.raises(LutError, match=r"is no record of facecrf; name a \.crf\.json$"):
+        read_curve(tmp_path / "a.spi1d")
+
+
 def test_photos_taken_together_may_be_paths_and_arrays(tmp_path):
     codes = np.random.default_rng(0).integers(0, 256, (80, 90, 3)).astype(np.uint8)
     path = tmp_path / "a.png"

@@ -12,7 +12,7 @@ import click
 from facecrf_ocio.cli.options import TEXT_PATH, direction_options
 from facecrf_ocio.cli.terminal import hush_matplotlib
 from facecrf_ocio.lut.format_table import default_formats, format_names
-from facecrf_ocio.record.output_names import EXR, PLOT, output_path
+from facecrf_ocio.record.output_names import PLOT, output_path
 
 if TYPE_CHECKING:
     from facecrf_ocio.settings import Settings
@@ -34,7 +34,7 @@ def folder_option(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def _require_no_file(context: click.Context, option: click.Parameter, value: Path) -> Path:
     """Fail where a file is named, after which a folder would be called."""
-    suffixes = {f".{name.rpartition('.')[2]}" for name in format_names()} | {EXR}
+    suffixes = {f".{name.rpartition('.')[2]}" for name in format_names()}
     if value.suffix.lower() in suffixes and not value.is_dir():
         said = f"{value} names a file; name the folder that gets the files"
         raise click.BadParameter(said, context, option)

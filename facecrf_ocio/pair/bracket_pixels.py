@@ -79,11 +79,7 @@ def small_bracket(photos: Iterable[Photo], stops: Float) -> SmallBracket:
         paths.append(photo.path or Path(f"photo {len(paths) + 1}"))
         images.append(_shrunk(photo.encoded, WORKING_SIDE))
     if len(images) < 2:
-        raise PhotoError(
-            paths[0] if paths else None,
-            "is one photo, and no bracket",
-            "give two exposures of the scene or more",
-        )
+        raise no_bracket(paths[0] if paths else None)
     if stops.shape != (len(images),):
         count = len(stops) if stops.ndim == 1 else f"an array {stops.shape} of"
         raise SettingsError(f"{count} exposures for {len(images)} photos; give one for each")
@@ -92,6 +88,12 @@ def small_bracket(photos: Iterable[Photo], stops: Float) -> SmallBracket:
     scale = size[0] / images[0].shape[1]
     warps[:, :, 2] *= scale
     return SmallBracket(tuple(paths), tuple(images), size, stops, warps, reference)
+
+
+def no_bracket(path: Path | None) -> PhotoError:
+    """Why one photo is refused."""
+    remedy = "give two exposures of the scene or more"
+    return PhotoError(path, "is one photo, and no bracket", remedy)
 
 
 def flat_patches(bracket: SmallBracket, *, center_only: bool) -> tuple[Float, Bool]:

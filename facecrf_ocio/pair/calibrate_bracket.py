@@ -10,7 +10,12 @@ import numpy as np
 from facecrf_ocio.checks import typed
 from facecrf_ocio.errors import PhotoError, SettingsError
 from facecrf_ocio.pair.bracket_curve import BracketCurve, bracket_reasons, solve_bracket
-from facecrf_ocio.pair.bracket_pixels import SmallBracket, flat_patches, small_bracket
+from facecrf_ocio.pair.bracket_pixels import (
+    SmallBracket,
+    flat_patches,
+    no_bracket,
+    small_bracket,
+)
 from facecrf_ocio.pair.exposure_grid import stops_of_shots
 from facecrf_ocio.pair.told_order import out_of_order
 from facecrf_ocio.photo.given import GivenPhoto, photo_given
@@ -63,8 +68,10 @@ def stops_by_exif(shots: Sequence[Shot], photos: Sequence[Photo] | None = None) 
     Raises
     ------
     PhotoError
-        If a photo does not tell its exposure time, or all have the same exposure.
+        If it is but one photo, one does not tell its exposure time, or all have the same exposure.
     """
+    if len(shots) == 1:
+        raise no_bracket(photos[0].path if photos else None)
     for number, shot in enumerate(shots):
         if shot.exposure_s <= 0.0:
             path = photos[number].path if photos else None

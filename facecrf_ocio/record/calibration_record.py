@@ -165,6 +165,8 @@ def _read(path: Path, parse: Callable[[Any], _T]) -> _T:
     except UnicodeDecodeError as error:  # which would quote all of it
         raise LutError(f"{path}: is no record of facecrf; name a .crf.json") from error
     except (FaceCRFError, *_DAMAGE) as error:
+        if path.suffix.lower() != ".json":  # a LUT beside its record, mostly
+            raise LutError(f"{path}: is no record of facecrf; name a .crf.json") from error
         raise LutError(
             f"{path}: is no record of facecrf, or was changed "
             f"({type(error).__name__}: {plain_text(error, limit=200)}); "
