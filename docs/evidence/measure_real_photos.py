@@ -1,8 +1,8 @@
 """Hold estimates of real photos against measured curves of the cameras that took them.
 
-`python docs/evidence/measure_real_photos.py LIST.tsv -o OUT.csv`. Each line of the list has, between
-tabs: a photo's path, a file of responses, a response's name there, and a row of the table. The
-curve of green is the truth. The weights are those without the response's maker, where they were
+`python docs/evidence/measure_real_photos.py LIST.tsv -o OUT.csv`. Each line of the list has,
+between tabs: a photo's path, a file of responses, a response's name there, and a row of the table.
+The curve of green is the truth. The weights are those without the response's maker, where they were
 trained with the file, and what is known of the camera's model is not told. Each photo is taken as
 it is, and once with nothing in its file.
 """
