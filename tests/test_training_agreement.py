@@ -65,7 +65,7 @@ def test_a_truth_through_a_known_curve_is_what_that_curve_makes_of_it(seed):
     generator = np.random.default_rng(seed)
     known = GRID ** np.exp(generator.normal(0.0, 0.15))
     coefficients = prior.means[-1] + 0.3 * generator.standard_normal(prior.means.shape[1])
-    offset, turned = through(prior, known.astype(np.float32))
+    offset, turned = through(prior, np.linalg.pinv(prior.basis), known.astype(np.float32))
     root = prior.mean + coefficients @ prior.basis
     expected = np.interp(np.interp(prior.grid, known, GRID), prior.grid, root)
     found = prior.mean + (offset + coefficients @ turned) @ prior.basis
@@ -78,7 +78,7 @@ def test_truths_are_spread_as_the_cameras_prior_is():
 
     torch.manual_seed(0)
     prior = shipped_joint().prior
-    likely = LikelyTruths(prior, GRID[None], {})
+    likely = LikelyTruths(prior, np.linalg.pinv(prior.basis), GRID[None], {})
     drawn = likely.truths(torch.zeros(20000, dtype=torch.int64)).numpy()
     cameras = prior.family == FAMILIES.index("camera")
     share = prior.weights[cameras] / prior.weights[cameras].sum()

@@ -118,11 +118,11 @@ def fit_prior(inverse: Float, family: Index) -> tuple[FamilyPrior, Float]:
 def fit_networks(
     examples: Examples,
     prior: FamilyPrior,
+    likely: FamilyPrior,
     analysis: Float,
     training: Training,
     seed: int,
     portraits: Versions | None = None,
-    likely: FamilyPrior | None = None,
 ) -> dict[str, Float]:
     """Train one network for each cue, and one that sees all of them, together.
 
@@ -145,7 +145,7 @@ def fit_networks(
     if portraits is not None:
         agreement = Agreement(prior, portraits, scaling)
         curves = portraits.curves.reshape(-1, portraits.curves.shape[2])
-        truths = LikelyTruths(prior if likely is None else likely, curves, agreement.given)
+        truths = LikelyTruths(likely, analysis, curves, agreement.given)
     networks = new_networks(given, training.dropout)
     size = min(_BATCH, len(examples))
     batches = len(examples) // size
@@ -215,7 +215,7 @@ def fit_joint(
     # made of curves that they see, and err more through those of other makers.
     likely = with_chart_cameras(prior, without)
     members = [
-        fit_networks(examples, prior, analysis, training, seed, portraits, likely)
+        fit_networks(examples, prior, likely, analysis, training, seed, portraits)
         for seed in range(training.members)
     ]
     made = {

@@ -31,15 +31,18 @@ class LikelyTruths:
     ----------
     likely
         The prior that truths are drawn from; its mean and basis are those of the coefficients.
+    analysis
+        (K, M) that gives the coefficients of a curve's root less the mean.
     curves
         (N, L) the known curve of each version.
     given
         What the networks are given of each.
     """
 
-    def __init__(self, likely: FamilyPrior, curves: Float, given: Given) -> None:
+    def __init__(self, likely: FamilyPrior, analysis: Float, curves: Float, given: Given) -> None:
         self.given = given
-        offsets, turned = zip(*(through(likely, curve) for curve in curves), strict=True)
+        known = (through(likely, analysis, curve) for curve in curves)
+        offsets, turned = zip(*known, strict=True)
         self.offsets = torch.tensor(np.array(offsets), dtype=torch.float32)
         self.turned = torch.tensor(np.array(turned), dtype=torch.float32)
         of_cameras = likely.family == _CAMERA
@@ -67,13 +70,15 @@ class LikelyTruths:
         return self.offsets[versions] + turned
 
 
-def through(prior: FamilyPrior, known: Float) -> tuple[Float, Float]:
+def through(prior: FamilyPrior, analysis: Float, known: Float) -> tuple[Float, Float]:
     """How coefficients c of an inverse response g become those of g(h^-1), o + c B.
 
     Parameters
     ----------
     prior
         Whose coefficients they are.
+    analysis
+        (K, M) that gives them.
     known
         (L,) encoded values h at L uniform encoded values, never decreasing.
 
@@ -87,5 +92,4 @@ def through(prior: FamilyPrior, known: Float) -> tuple[Float, Float]:
     before = np.interp(prior.grid, rising, uniform)
     mean = np.interp(before, prior.grid, prior.mean)
     basis = np.array([np.interp(before, prior.grid, row) for row in prior.basis])
-    analysis = np.linalg.pinv(prior.basis)
     return (mean - prior.mean) @ analysis, basis @ analysis

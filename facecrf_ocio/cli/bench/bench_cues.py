@@ -7,11 +7,11 @@ from typing import Any
 
 import click
 
+from facecrf_ocio.cli.bench.bench_options import prior_option
 from facecrf_ocio.cli.bench.bench_plan import plan
 from facecrf_ocio.cli.bench.bench_terminal import PATH, told
 from facecrf_ocio.cli.live import counting
 from facecrf_ocio.cli.terminal import ending_well, require_writable
-from facecrf_ocio.settings import PRIORS
 
 
 @click.command()
@@ -25,13 +25,7 @@ from facecrf_ocio.settings import PRIORS
     default="held-out",
     help="What the prior has seen: not the tested curve's fold, or all.",
 )
-@click.option(
-    "--prior",
-    type=click.Choice(PRIORS),
-    default="auto",
-    show_default=True,
-    help="What joint is told of the responses' family.",
-)
+@prior_option
 @click.option("-o", "--output", required=True, type=PATH, metavar="DIR")
 @ending_well
 def cues(output: Path, **choices: Any) -> int:

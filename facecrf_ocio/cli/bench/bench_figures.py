@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from facecrf_ocio.cli.bench.bench_options import estimators_option
 from facecrf_ocio.cli.bench.bench_terminal import PATH
 from facecrf_ocio.cli.terminal import DONE, ending_well, hush_matplotlib, one_line, require_writable
 from facecrf_ocio.errors import SettingsError
@@ -28,13 +29,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Test so many, spread evenly.",
 )
-@click.option(
-    "--estimators",
-    default="all",
-    show_default=True,
-    metavar="NAMES",
-    help="all, or a list with commas.",
-)
+@estimators_option
 @ending_well
 def figures(
     output: Path,

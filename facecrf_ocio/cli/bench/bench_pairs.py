@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from facecrf_ocio.cli.bench.bench_options import estimators_option
 from facecrf_ocio.cli.bench.bench_terminal import PATH, told
 from facecrf_ocio.cli.live import counting
 from facecrf_ocio.cli.terminal import ending_well, require_writable
@@ -14,13 +15,7 @@ from facecrf_ocio.settings import Settings
 
 @click.command()
 @click.argument("source", type=PATH)
-@click.option(
-    "--estimators",
-    default="all",
-    show_default=True,
-    metavar="NAMES",
-    help="all, or a list with commas.",
-)
+@estimators_option
 @click.option("-o", "--output", required=True, type=PATH, metavar="DIR")
 @ending_well
 def pairs(source: Path, estimators: str, output: Path) -> int:

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from facecrf_ocio.cli.bench.bench_options import prior_option
 from facecrf_ocio.cli.bench.bench_plan import PROTOCOLS, plan
 from facecrf_ocio.cli.bench.bench_terminal import PATH
 from facecrf_ocio.cli.live import counting
@@ -19,7 +20,6 @@ from facecrf_ocio.cli.terminal import (
     require_writable,
 )
 from facecrf_ocio.estimators import ESTIMATOR_NAMES
-from facecrf_ocio.settings import PRIORS
 
 
 @click.command()
@@ -73,13 +73,7 @@ from facecrf_ocio.settings import PRIORS
 )
 @click.option("--every", type=click.IntRange(1), default=1, help="Test every n-th curve.")
 @click.option("--limit-curves", type=click.IntRange(1), help="Test so many, spread evenly.")
-@click.option(
-    "--prior",
-    type=click.Choice(PRIORS),
-    default="auto",
-    show_default=True,
-    help="What joint is told of the responses' family.",
-)
+@prior_option
 @click.option(
     "--set",
     "assignments",
