@@ -162,10 +162,9 @@ def _read(path: Path, parse: Callable[[Any], _T]) -> _T:
         raise LutError(f"{path}: cannot be read: {reason_of(error)}") from error
     except LutError:
         raise
-    except UnicodeDecodeError as error:  # which would quote all of it
-        raise LutError(f"{path}: is no record of facecrf; name a .crf.json") from error
     except (FaceCRFError, *_DAMAGE) as error:
-        if path.suffix.lower() != ".json":  # a LUT beside its record, mostly
+        # A LUT beside its record, mostly, or a picture, all of which the error would quote.
+        if path.suffix.lower() != ".json" or isinstance(error, UnicodeDecodeError):
             raise LutError(f"{path}: is no record of facecrf; name a .crf.json") from error
         raise LutError(
             f"{path}: is no record of facecrf, or was changed "
