@@ -34,8 +34,8 @@ _ANOTHER_SCENE = 0.5
     default="auto",
     show_default=True,
     metavar="HOW",
-    help="bracket: its own; faces: estimated from faces in it; a record (.crf.json): that one's; "
-    "auto: the bracket's if it tells, else the faces'.",
+    help="bracket: its own; faces: estimated from faces in it; a file: a record's (.crf.json) or a "
+    "1-D LUT's; auto: the bracket's if it tells, else the faces'.",
 )
 @click.option("--still", is_flag=True, help="Nothing moved: use all photos everywhere.")
 @click.option("--overwrite", is_flag=True, help="Replace an existing EXR.")
@@ -100,11 +100,10 @@ def merge(
 def _curve(source: str, photos: tuple[Path, ...], solved: BracketEstimate) -> Estimate:
     """The curve that was asked for, as an estimate; without one, why."""
     from facecrf_ocio import calibrate_together, read_photo
-    from facecrf_ocio.record.calibration_record import read_record
     from facecrf_ocio.values import Outcome
 
     if source not in ("auto", "bracket", "faces"):
-        return read_record(Path(source)).estimate
+        return _of_file(Path(source))
     if source == "bracket" or (source == "auto" and solved.estimate.found is not None):
         return solved.estimate
     estimate = calibrate_together(read_photo(path) for path in photos).estimate
@@ -112,7 +111,20 @@ def _curve(source: str, photos: tuple[Path, ...], solved: BracketEstimate) -> Es
         return replace(
             solved.estimate if source == "auto" else estimate,
             outcome=Outcome.NOT_CALIBRATED,
-            remedy="give a record of this camera: --curve NAME.crf.json",
+            remedy="give a record or a LUT of this camera: --curve FILE",
             found=None,
         )
     return estimate
+
+
+def _of_file(path: Path) -> Estimate:
+    """The curve of a record, or of a LUT, which tells of no band."""
+    from facecrf_ocio.files.plain_text import plain_text
+    from facecrf_ocio.image.lut_curve import curve_of_lut
+    from facecrf_ocio.record.calibration_record import read_record
+    from facecrf_ocio.values import Estimate, Outcome
+
+    if path.suffix.lower() == ".json":
+        return read_record(path).estimate
+    by = f"the LUT {plain_text(path.name)}"
+    return Estimate(Outcome.CALIBRATED, by, "as it is", found=curve_of_lut(path))

@@ -28,9 +28,17 @@ _LINEARIZE, _ENCODE = DIRECTIONS
 
 
 class LutLookup(Lookup):
-    """A LUT file to send pixels through, and what comes of their color space."""
+    """A LUT file to send pixels through, and what comes of their color space.
 
-    def __init__(self, lut: Path, processor: Any, *, to_light: bool, after: Primaries | None):
+    Attributes
+    ----------
+    encodes
+        By what the file itself goes from light to code values; empty where it does not.
+    """
+
+    def __init__(
+        self, lut: Path, processor: Any, *, to_light: bool, after: Primaries | None, encodes: str
+    ):
         # One for half floats too: OCIO rounds its result to them.
         cpus = {np.dtype(kind): exact_cpu(processor, depth) for kind, depth in _DEPTHS.items()}
 
@@ -40,6 +48,7 @@ class LutLookup(Lookup):
             )
 
         super().__init__(transform, separable=not processor.hasChannelCrosstalk(), name=str(lut))
+        self.encodes = encodes
         self._to_light = to_light
         self._after = after
 
@@ -96,7 +105,8 @@ def lut_lookup(lut: str | Path, direction: str | None = None) -> LutLookup:
     if bool(records.encodes) == to_light:
         processor = _inverse(lut)
     after = records.before if records.encodes else records.after
-    return LutLookup(lut, processor, to_light=to_light, after=after or space_by_matrix(processor))
+    after = after or space_by_matrix(processor)
+    return LutLookup(lut, processor, to_light=to_light, after=after, encodes=records.encodes)
 
 
 _DEPTHS = {np.float32: ocio.BIT_DEPTH_F32, np.float16: ocio.BIT_DEPTH_F16}
