@@ -22,7 +22,7 @@ from facecrf_ocio.estimators import (
 )
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude, gather, shipped_joint
 from facecrf_ocio.joint.single_curve import gain_scatter
-from facecrf_ocio.joint.verdict import doubted, not_single
+from facecrf_ocio.joint.verdict import bent_by, doubted, not_single
 from facecrf_ocio.photo.given import GivenPhoto, photo_given
 from facecrf_ocio.response.fixed import fixed_curve, prior_confidence
 from facecrf_ocio.response.model import (
@@ -130,6 +130,9 @@ def calibrate(
         estimate = published_estimate(ESTIMATORS[estimator], photo, response, settings)
         estimate = replace(estimate, assumptions=assumptions_of(photo))
     estimate = _doubted(estimate, photo, settings.most_scatter)
+    if not is_joint and estimate.confidence is not None:  # `conclude` knows it from the evidence
+        told = doubted(estimate.confidence, bent_by(photo.adapted))
+        estimate = replace(estimate, confidence=told)
     if estimate.outcome is Outcome.NOT_CALIBRATED and fallback != "none":
         return _fall_back(estimate, fallback, photo, response)
     return estimate

@@ -179,6 +179,9 @@ class Photo:
         None where the file has none, or none of use.
     edits
         What the file says was done after the camera, in clauses.
+    adapted
+        By what the file says that its camera bent the curve to the scene, such as `Active
+        D-Lighting (Auto)`; empty where it does not tell.
     notes
         What reading mended, chosen or set aside, in clauses; empty for a file without a flaw.
     codes
@@ -198,6 +201,7 @@ class Photo:
     sha256: str | None = None
     gain_map: GainMap | None = None
     edits: tuple[str, ...] = ()
+    adapted: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     codes: npt.NDArray[np.uint8] | None = field(default=None, init=False, repr=False)
 

@@ -17,6 +17,8 @@ from archive_photos import (
     write_face,
     write_picture,
 )
+from maker_note_files import SHORT, exif_with
+from photo_files import app1, with_segments
 
 from facecrf_ocio import Photo, read_photo
 from facecrf_ocio.archive.cameras import camera_group
@@ -94,6 +96,22 @@ def test_cameras_and_picture_settings_stay_apart(archive, tmp_path, pooled, face
         assert files(output)[f"{name}.spi1d"] == files(alone)[f"{name}.spi1d"]
         assert files(output)[f"{name}.crf.json"] == files(alone)[f"{name}.crf.json"]
     assert curve_of(output, "a.jpg").tolist() != curve_of(alone, "a.jpg").tolist()
+
+
+def test_photos_of_bent_curves_stay_apart_from_others_and_are_never_reliable(tmp_path, pooled):
+    source, output = tmp_path / "photos", tmp_path / "luts"
+    for number, active in enumerate((0, 0, 0xFFFF, 0xFFFF)):
+        path = source / f"{number}.jpg"
+        write_face(path, number)
+        exif = app1(exif_with("NIKON CORPORATION", {0x22: (SHORT, (active,))}, "Two"))
+        path.write_bytes(with_segments(path.read_bytes(), exif))
+    pooled(source, output)
+    styles = {json.loads(key)[4] for (key,) in table(output, "SELECT key FROM cameras")}
+    assert styles == {"", "Active D-Lighting (Auto)"}
+    doubts = [read_record(output / f"{n}.jpg.crf.json").estimate.confidence.doubts for n in "0123"]
+    assert ["bent it to the scene" in " ".join(one) for one in doubts] == [False, False, True, True]
+    assert curve_of(output, "0.jpg").tolist() == curve_of(output, "1.jpg").tolist()
+    assert curve_of(output, "2.jpg").tolist() != curve_of(output, "0.jpg").tolist()
 
 
 def test_a_photo_that_does_not_fit_is_told_and_keeps_its_own_curve(tmp_path, pooled, facecrf):

@@ -85,7 +85,8 @@ def measure(photo: Photo, responses: Responses, row: int) -> tuple[dict[str, obj
     found = []
     evidence = gather(photo, networks=model.networks)
     nobodys = modern_leaning(Camera(), photo.primaries)
-    for seen in (evidence, replace(evidence, leaning=nobodys, phone=0.0, camera=("", ""))):
+    nothing = replace(evidence, leaning=nobodys, phone=0.0, camera=("", ""), adapted=())
+    for seen in (evidence, nothing):
         estimate = conclude([seen], "auto", model, cameras=())
         told = estimate.confidence
         errors = score(estimate.curve, told, truth, counts)

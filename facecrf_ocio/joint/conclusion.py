@@ -23,7 +23,7 @@ from facecrf_ocio.joint.known_response import (
 from facecrf_ocio.joint.messages import COMBINED
 from facecrf_ocio.joint.metadata import UNTOLD
 from facecrf_ocio.joint.prior import Posterior
-from facecrf_ocio.joint.verdict import deviations, doubted, judge, not_single
+from facecrf_ocio.joint.verdict import bent_by, deviations, doubted, judge, not_single
 from facecrf_ocio.response.coverage import coverage_at
 from facecrf_ocio.response.expected_stops import verdict_of
 from facecrf_ocio.response.model import inverse_crf, strictly_increasing
@@ -87,7 +87,8 @@ def conclude(
     telling = list(named.values())
     leanings = [(e.leaning, e.phone) for e in telling or evidence] or [(UNTOLD, 0.0)]
     weights = model.prior.weights_for(prior, *np.mean(leanings, axis=0).tolist())
-    known = known_responses((one.camera for one in telling), model.prior, cameras)
+    bent = {one.camera for one in telling if one.adapted}
+    known = known_responses((one.camera for one in telling), model.prior, cameras, bent)
     stretches = {n: e.stretch * stretch_of_exposure(e.coverage) for n, e in named.items()}
     fused = fuse_photos(named, stretches, model.prior, weights, known, correlation)
     dissent = fused.outvoted
@@ -131,7 +132,8 @@ def _doubts_of(named: Mapping[str, PhotoEvidence]) -> tuple[str, ...]:
     """What speaks against any single curve; of several photos, with their names."""
     said = {name: one.doubt for name, one in named.items() if one.doubt}
     alone = len(named) == 1
-    return not_single(doubt if alone else f"{name}: {doubt}" for name, doubt in said.items())
+    found = (doubt if alone else f"{name}: {doubt}" for name, doubt in said.items())
+    return (*not_single(found), *bent_by(what for one in named.values() for what in one.adapted))
 
 
 def _with_cameras(
@@ -141,8 +143,9 @@ def _with_cameras(
     dissent: Sequence[str],
 ) -> Confidence:
     """Say what was known of the cameras; `weak` where a photo contradicts that, or they differ."""
-    named = dict.fromkeys(one.source for one in known.values())
-    agreeing = (f"{one} counts as evidence" for one in named if one not in dissent)
+    named = {one.source: one.bent for one in known.values()}
+    counts = {False: "counts as evidence", True: "counts as another model's would"}
+    agreeing = (f"{one} {counts[bent]}" for one, bent in named.items() if one not in dissent)
     photos = "the photo contradicts" if len(telling) == 1 else "the photos contradict"
     doubts = [
         f"{photos} {one}: another picture style, or edited" for one in named if one in dissent

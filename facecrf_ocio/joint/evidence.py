@@ -64,6 +64,8 @@ class PhotoEvidence:
         Make and model, as the file names them: what was measured of it is one more message.
     doubt
         What speaks against any single curve of the camera; empty where nothing does.
+    adapted
+        By what the file says that its camera bent the curve to the scene; see `Photo`.
     face
         The face used, if any; not stored.
     """
@@ -77,6 +79,7 @@ class PhotoEvidence:
     stretch: float = 1.0
     camera: tuple[str, str] = ("", "")
     doubt: str = ""
+    adapted: tuple[str, ...] = ()
     face: Face | None = field(default=None, repr=False)
 
     def to_json(self) -> str:
@@ -94,6 +97,7 @@ class PhotoEvidence:
                 "stretch": self.stretch,
                 "camera": list(self.camera),
                 "doubt": self.doubt,
+                "adapted": self.adapted,
             }
         )
 
@@ -122,6 +126,7 @@ class PhotoEvidence:
                 stored.get("stretch", 1.0),
                 _named(stored.get("camera", ("", ""))),
                 str(stored.get("doubt", "")),
+                tuple(map(str, stored.get("adapted", ()))),
             )
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise SettingsError(f"no evidence of a photo: {error}") from error
@@ -150,6 +155,7 @@ def gather(
         stretch=stretch,
         camera=camera,
         doubt=seen.doubt,
+        adapted=photo.adapted,
         face=seen.face,
     )
 

@@ -6,7 +6,7 @@ the message is as wide as measurements of one model by different people and meth
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,6 +30,10 @@ measurements of six models of Nikon and Canon, by stacks and by raw files beside
 0.26 and 0.95 to 2.5; cameras of unlike models lie 0.6, 0.9 and 1.0 to 1.9 about their mean. So a
 model tells brightness and contrast of its curve, and nothing of its toe and shoulder."""
 
+OTHER_MODELS = (0.6, 0.9, 1.9)
+"""The same where the camera bent its curve to the scene: as far as unlike models lie about their
+mean. By how much it bends, no published measurement tells."""
+
 _IN_COMMON = 2
 """Coefficients that measurements of one model agree in: the first of `STYLES`."""
 
@@ -50,11 +54,14 @@ class KnownResponse:
         (3, L) root of light by which each channel departs from all three's mean at the prior's
         grid, by the user's own measurements; 0 where there are none, since red and blue of those
         that ship are weak.
+    bent
+        Whether a photo that names it has another curve than was measured.
     """
 
     name: str
     message: Message
     apart: Float
+    bent: bool = False
 
     @property
     def source(self) -> str:
@@ -66,6 +73,7 @@ def known_responses(
     named: Iterable[tuple[str, str]],
     prior: FamilyPrior,
     cameras: Sequence[KnownCamera] | None,
+    bent: Collection[tuple[str, str]] = (),
 ) -> dict[tuple[str, str], KnownResponse]:
     """What was measured of the cameras that photos name, by make and model.
 
@@ -77,31 +85,42 @@ def known_responses(
         In whose coefficients messages are.
     cameras
         Where to look them up; those that ship and the user's own by default.
+    bent
+        Make and model where a camera bent its curve to the scene.
     """
     called = {one for one in named if one[1].strip()}
     if not called:
         return {}  # most photos: the registry is not read for them
     listed = known_cameras() if cameras is None else cameras
-    found = {one: known_response(listed, *one, prior) for one in sorted(called)}
+    found = {one: known_response(listed, *one, prior, bent=one in bent) for one in sorted(called)}
     return {one: known for one, known in found.items() if known is not None}
 
 
 def known_response(
-    cameras: Sequence[KnownCamera], make: str, model: str, prior: FamilyPrior
+    cameras: Sequence[KnownCamera],
+    make: str,
+    model: str,
+    prior: FamilyPrior,
+    *,
+    bent: bool = False,
 ) -> KnownResponse | None:
-    """The measurements of a camera as one message; None if there are none."""
+    """The measurements of a camera as one message; None if there are none.
+
+    Of a camera that bent its curve they say no more than those of another model.
+    """
     found = matching(cameras, make, model) if model.strip() else ()
     if not found:
         return None
     sure = np.array([1.0 / (one.spread_stops / _UNIT_STOPS) ** 2 for one in found])
     each = np.array([coefficients(one, prior) for one in found])
-    first, second, others = STYLES
+    first, second, others = OTHER_MODELS if bent else STYLES
     spread = np.full(each.shape[1], others)
     spread[:_IN_COMMON] = first, second
     return KnownResponse(
         camera_name(found[0].make, found[0].model),
         Message(sure @ each / sure.sum(), 1.0 / (spread**2 + 1.0 / sure.sum())),
         _apart([one for one in found if one not in shipped_cameras()], prior),
+        bent,
     )
 
 

@@ -50,6 +50,13 @@ def not_single(found: Iterable[str]) -> tuple[str, ...]:
     return tuple(f"perhaps no single curve: {one}" for one in found)
 
 
+def bent_by(adapted: Iterable[str]) -> tuple[str, ...]:
+    """The doubt where cameras bent curves to scenes, by the settings that did; none without."""
+    what = ", ".join(dict.fromkeys(adapted))
+    remedy = "turn it off, or give the photo's raw file beside it"
+    return not_single([f"{what} bent it to the scene; {remedy}"] if what else [])
+
+
 def judge(
     posterior: Posterior,
     found: InverseCRF,

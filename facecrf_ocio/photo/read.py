@@ -49,6 +49,7 @@ from facecrf_ocio.photo.raster.pixels import (
     three_channels,
     unpremultiplied,
 )
+from facecrf_ocio.photo.tags.adapted import adapted_by
 from facecrf_ocio.photo.tags.cicp import of_numbers
 from facecrf_ocio.photo.tags.edits import edits_told
 from facecrf_ocio.photo.tags.header import (
@@ -61,6 +62,7 @@ from facecrf_ocio.photo.tags.header import (
     made_by,
     primaries_of,
 )
+from facecrf_ocio.photo.tags.maker_notes import exif_of
 from facecrf_ocio.photo.tags.named_curve import curve_of_scan, named_curve
 from facecrf_ocio.photo.tags.profile import profile_notes
 from facecrf_ocio.photo.tags.radiance import radiance_notes
@@ -170,6 +172,7 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
     gain_map, set_aside = (None, ()) if file.jpeg is None else jpeg_gain_map(file.jpeg, turn)
     camera = camera_of(spec)
     edits = edits_told(file.xmp, camera.software, made_by(spec, file.content, camera))
+    adapted = adapted_by(exif_of(file.content, file.jpeg))
     primaries = primaries_of(spec, icc, file.content)
     profile_noted = profile_notes(icc, gray=len(channels) == 1) if icc else _profile_lost(file)
     moving = (FIRST_OF_SEVERAL,) if is_animated(file.content) else ()
@@ -198,6 +201,7 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
         "sha256": ask_sha256(),
         "gain_map": gain_map,
         "edits": edits,
+        "adapted": adapted,
         "notes": (*picture.notes, *moving, *scaled, *profile_noted, *set_aside, *unseen),
     }
     if pixels.dtype == np.uint8:

@@ -30,6 +30,7 @@ class Source:
     named_curve: str = ""
     edits: tuple[str, ...] = ()
     gain_map: str | None = None
+    adapted: tuple[str, ...] = ()
 
 
 def source_of(photo: Photo) -> Source:
@@ -49,6 +50,7 @@ def source_of(photo: Photo) -> Source:
         named_curve=photo.named_curve,
         edits=photo.edits,
         gain_map=None if photo.gain_map is None else photo.gain_map.standard,
+        adapted=photo.adapted,
     )
 
 
@@ -58,8 +60,9 @@ def source_in(record: dict[str, Any]) -> Source:
     if primaries is not None:
         pairs = {name: _pair(primaries[name]) for name in ("red", "green", "blue", "white")}
         primaries = Primaries(**{**primaries, **pairs})
-    # Records told neither before.
-    texts = {name: tuple(map(str, record.get(name, ()))) for name in ("notes", "edits")}
+    # Records told none of them before.
+    clauses = ("notes", "edits", "adapted")
+    texts = {name: tuple(map(str, record.get(name, ()))) for name in clauses}
     camera = Camera(**record["camera"])
     return Source(**{**record, "camera": camera, "primaries": primaries, **texts})
 

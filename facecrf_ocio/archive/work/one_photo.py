@@ -124,11 +124,15 @@ def _has_camera(photo: Photo) -> bool:
 
 def _gather(task: Task, photo: Photo) -> Result:
     evidence = gather(photo, task.recipe.settings)
+    shot = read_shot(task.source)
+    # What bends curves to scenes is a setting of the picture as well: with it on and off, photos of
+    # a camera share no curve.
+    style = "; ".join(filter(None, (shot.style, *photo.adapted)))
     return Result(
         "",
         sha256=photo.sha256 or "",
         camera=_camera(photo),
-        shot=read_shot(task.source),
+        shot=replace(shot, style=style),
         gathered=Gathered(evidence.to_json(), face_json(evidence), take_samples(photo.pixels)),
         thumbnail=thumbnail_of(photo, None),
     )

@@ -7,6 +7,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from mmap import mmap
 
+from facecrf_ocio.photo.containers.tiff_directory import (
+    byte_order,
+    entries,
+    number_at,
+    numbers,
+)
+
 # TIFF 6.0, TIFF/EP and DNG 1.7: tags of a directory.
 _SUBFILE, _WIDTH, _LENGTH = 254, 256, 257
 # And of what they hold and what lies below them.
@@ -60,19 +67,13 @@ def with_photo_first(content: bytes | mmap) -> bytes | None:
     pixels, at = max(below, key=lambda one: (one[0], -one[1]))
     if pixels <= max(pages):
         return None
-    return b"".join((content[:4], struct.pack(_order(content) + "I", at), content[8:]))
-
-
-def _order(content: bytes | mmap) -> str:
-    """Of bytes, as `struct` has it; empty where the content is no TIFF with offsets of 32 bits."""
-    is_tiff = content[2:4] in (b"*\0", b"\0*")
-    return {b"II": "<", b"MM": ">"}.get(content[:2], "") if is_tiff else ""
+    return b"".join((content[:4], struct.pack(byte_order(content) + "I", at), content[8:]))
 
 
 def _directories(content: bytes | mmap) -> Iterator[tuple[int, dict[int, tuple[int, ...]], bool]]:
     """Offset and tags of each directory, and whether it lies below a page."""
-    order = _order(content)
-    waiting, seen = [(_unpack(order + "I", content, 4), False)] if order else [], set[int]()
+    order = byte_order(content)
+    waiting, seen = [(number_at(order + "I", content, 4), False)] if order else [], set[int]()
     while waiting and len(seen) < _MOST:
         at, is_below = waiting.pop()
         if at in seen or at == 0:
@@ -86,21 +87,10 @@ def _directories(content: bytes | mmap) -> Iterator[tuple[int, dict[int, tuple[i
 def _directory(
     order: str, content: bytes | mmap, at: int
 ) -> tuple[dict[int, tuple[int, ...]], int]:
-    """Tags of whole numbers of the directory at an offset, and the offset of the next one."""
-    count = _unpack(order + "H", content, at)
-    tags = {}
-    for entry in range(at + 2, min(at + 2 + 12 * count, len(content) - 11), 12):
-        tag, kind, number = struct.unpack_from(order + "HHI", content, entry)
-        letter, size = {1: ("B", 1), 3: ("H", 2), 4: ("I", 4), 13: ("I", 4)}.get(kind, ("", 0))
-        if not letter or number > _MOST:
-            continue
-        inside = number * size <= 4
-        place = entry + 8 if inside else _unpack(order + "I", content, entry + 8)
-        if place + number * size <= len(content):
-            tags[tag] = struct.unpack_from(f"{order}{number}{letter}", content, place)
-    return tags, _unpack(order + "I", content, at + 2 + 12 * count)
-
-
-def _unpack(layout: str, content: bytes | mmap, at: int) -> int:
-    size = struct.calcsize(layout)
-    return int(struct.unpack_from(layout, content, at)[0]) if at + size <= len(content) else 0
+    """Whole numbers of the directory at an offset by their tags, and the offset of the next one."""
+    tags = {
+        tag: numbers(order, content, entry, _MOST)
+        for tag, entry in entries(order, content, at).items()
+        if entry.count <= _MOST
+    }
+    return tags, number_at(order + "I", content, at + 2 + 12 * number_at(order + "H", content, at))

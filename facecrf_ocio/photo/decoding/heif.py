@@ -23,6 +23,7 @@ from facecrf_ocio.photo.decoding.orientation import upright
 from facecrf_ocio.photo.decoding.picture import FIRST_OF_SEVERAL, PhotoFile
 from facecrf_ocio.photo.decoding.tone_map_item import ToneMap, tone_map_item
 from facecrf_ocio.photo.raster.pixels import is_gray, three_channels
+from facecrf_ocio.photo.tags.adapted import adapted_by
 from facecrf_ocio.photo.tags.cicp import LINEAR, CodePoints, of_boxes, of_nclx
 from facecrf_ocio.photo.tags.edits import edits_told, made_as_told
 from facecrf_ocio.photo.tags.exif import apple_headroom, camera_of, custom_rendered, load_exif
@@ -45,7 +46,7 @@ class _Decoded:
 
     codes: npt.NDArray[Any]
     bits: int
-    exif: Any
+    exif: bytes
     icc: bytes
     told: CodePoints | None = None
     gain_map: GainMap | None = None
@@ -71,9 +72,11 @@ def read_heif(file: PhotoFile, sha256: str) -> Photo:
     primaries = primaries_from_icc(icc) or (None if told is None else told.named_primaries())
     # A profile goes before the color box (ISO 23008-12, 6.5.5).
     curve = named_curve(None if icc else told, icc)
-    camera = camera_of(decoded.exif)
-    made = made_as_told(content, camera, custom_rendered(decoded.exif))
+    exif = load_exif(decoded.exif)
+    camera = camera_of(exif)
+    made = made_as_told(content, camera, custom_rendered(exif))
     edits = edits_told(file.xmp, camera.software, made)
+    adapted = adapted_by(decoded.exif.removeprefix(b"Exif\0\0"))
     file.forget()
     return Photo(
         encoded,
@@ -88,6 +91,7 @@ def read_heif(file: PhotoFile, sha256: str) -> Photo:
         sha256=sha256,
         gain_map=decoded.gain_map,
         edits=edits,
+        adapted=adapted,
         notes=(*decoded.notes, *profile_notes(icc, gray=decoded.codes.shape[2] < 3), *unseen),
     )
 
@@ -109,8 +113,8 @@ def _read_heic(file: PhotoFile) -> _Decoded:
     except _DAMAGE as error:
         raise _damaged(file, error) from error
     bits = int(heif.info.get("bit_depth", 8)) if codes.dtype == np.uint16 else 8
-    exif = load_exif(heif.info.get("exif") or b"")
-    gain_map, notes = _gain_map(heif, exif, file.content)
+    exif = heif.info.get("exif") or b""
+    gain_map, notes = _gain_map(heif, load_exif(exif), file.content)
     if moves:
         notes = (*notes, _STILL)
     if len(heif) > 1:
@@ -183,7 +187,7 @@ def _read_avif(file: PhotoFile) -> _Decoded:
     return _Decoded(codes, 8, exif, icc, of_boxes(file.content), gain_map, notes)
 
 
-def _picture_of_avif(file: PhotoFile) -> tuple[npt.NDArray[Any], Any, bytes]:
+def _picture_of_avif(file: PhotoFile) -> tuple[npt.NDArray[Any], bytes, bytes]:
     """The photo, though libavif may not like its gain map."""
     try:
         return _by_pillow(file.path, file.path)
@@ -206,15 +210,15 @@ def _map_of_avif(file: PhotoFile, shape: Sequence[int]) -> tuple[GainMap | None,
     return _set_aside_or(found)
 
 
-def _by_pillow(source: Any, path: Path) -> tuple[npt.NDArray[Any], Any, bytes]:
+def _by_pillow(source: Any, path: Path) -> tuple[npt.NDArray[Any], bytes, bytes]:
     """(H, W, C) codes of an AVIF's picture, upright; its EXIF and profile."""
     from PIL import Image  # noqa: PLC0415
 
     with unwarned(), Image.open(source) as image:
         check_size(path, *image.size)
-        exif = load_exif(image.info.get("exif", b""))
+        exif = image.info.get("exif") or b""
         codes, icc = np.asarray(image), image.info.get("icc_profile") or b""
-    return upright(_planes(codes), int(exif.get(274, 1))), exif, icc
+    return upright(_planes(codes), int(load_exif(exif).get(274, 1))), exif, icc
 
 
 def _planes(codes: Any) -> Any:
