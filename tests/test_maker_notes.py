@@ -28,16 +28,21 @@ from photo_files import app1, write_dng
 from PIL import Image, features
 
 from facecrf_ocio import calibrate, calibrate_together, read_photo
+from facecrf_ocio.benchmark.peers.drawn_chart import lit_chart, shot
 from facecrf_ocio.cameras.known_cameras import shipped_cameras
+from facecrf_ocio.chart.calibrate_chart import calibrate_chart
 from facecrf_ocio.joint import PhotoEvidence, conclude
 from facecrf_ocio.joint.known_response import OTHER_MODELS, STYLES, known_response
 from facecrf_ocio.joint.prior import Message, shipped_prior
 from facecrf_ocio.photo.containers.jpeg_segments import take_apart
 from facecrf_ocio.photo.tags.adapted import adapted_by
 from facecrf_ocio.photo.tags.maker_notes import exif_of, maker_notes
+from facecrf_ocio.record.calibration_record import Record
+from facecrf_ocio.record.measured import entry, from_record
 from facecrf_ocio.record.source_record import source_in, source_of
 from facecrf_ocio.settings import Settings
-from facecrf_ocio.values import Photo, Verdict
+from facecrf_ocio.synthetic import gamma_curve
+from facecrf_ocio.values import Camera, Photo, Verdict
 from facecrf_ocio.wording.sentence import sentence
 
 NIKON, ACTIVE = "NIKON CORPORATION", {0x22: (SHORT, (0xFFFF,))}
@@ -294,6 +299,38 @@ def test_a_measured_curve_counts_as_another_model_s_where_it_was_bent() -> None:
         assert (spread < np.array(least) + 0.1).all()
     reasons = conclude([surely(AUTO)]).confidence.reasons  # type: ignore[union-attr]
     assert any("D3100 counts as another model's would" in one for one in reasons)
+
+
+def test_a_chart_on_which_the_curve_was_bent_measures_no_camera() -> None:
+    light, corners = lit_chart(3, white=0.75)
+    photo = shot(light, gamma_curve(2.2), quality=95)[1]
+    plain, told = (
+        calibrate_chart(photo.but(adapted=adapted), corners).estimate for adapted in ((), (AUTO,))
+    )
+    assert plain.confidence is not None
+    assert told.confidence is not None
+    assert np.array_equal(plain.curve.linear, told.curve.linear)
+    assert told.confidence.doubts == (DOUBT,)
+    assert (plain.confidence.verdict, told.confidence.verdict) == (Verdict.RELIABLE, Verdict.WEAK)
+    camera = Camera("Acme", "One")
+    kept = [
+        entry(camera, estimate, "a chart", style=", ".join(adapted))
+        for estimate, adapted in ((plain, ()), (told, (AUTO,)))
+    ]
+    assert [(one.grade, one.style) for one in kept] == [("B", ""), ("C", AUTO)]
+    alone, both = (
+        known_response(listed, "Acme", "One", shipped_prior()) for listed in (kept[1:], kept)
+    )
+    assert alone is not None
+    assert both is not None
+    assert (alone.bent, both.bent) == (True, False)
+    assert (alone.message.precision[:2] < both.message.precision[:2] / 2).all()
+
+
+def test_a_record_tells_a_registry_what_bent_a_measurement(bent: Photo, tmp_path: Path) -> None:
+    estimate = replace(calibrate(bent), estimator="pair")
+    record = Record(source_of(bent), estimate, {}, {}, ())
+    assert from_record(tmp_path / "a.crf.json", record).style == AUTO
 
 
 def test_evidence_and_records_keep_it(bent: Photo) -> None:

@@ -33,7 +33,8 @@ class KnownCamera:
     Attributes
     ----------
     make, model, style
-        As EXIF names them; style is empty where it is not known.
+        As EXIF names them; style is what bent the curve to the measured scene, as `Photo.adapted`
+        has it, and empty where nothing is known to have done so.
     method
         `pair`, `bracket` or `chart`.
     grade

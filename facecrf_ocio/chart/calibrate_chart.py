@@ -15,7 +15,7 @@ from facecrf_ocio.chart.reflectances import EDITIONS, GRAYS, reflectances
 from facecrf_ocio.errors import PhotoError, SettingsError
 from facecrf_ocio.joint.metadata import modern_leaning, phone_leaning
 from facecrf_ocio.joint.prior import FamilyPrior, shipped_prior
-from facecrf_ocio.joint.verdict import judge
+from facecrf_ocio.joint.verdict import bent_by, doubted, judge
 from facecrf_ocio.response.coverage import coverage_at, coverage_counts
 from facecrf_ocio.response.expected_stops import verdict_of
 from facecrf_ocio.response.model import inverse_crf
@@ -123,7 +123,7 @@ def calibrate_chart(
         "chart",
         f"the gray row of a ColorChecker Classic, residual {fit.residual:.3f} stops",
         found=found,
-        confidence=_confidence(fit, found, patches, prior),
+        confidence=doubted(_confidence(fit, found, patches, prior), bent_by(photo.adapted)),
         coefficients=coefficients,
         assumptions=(
             RELATIVE_TO_WHITE,

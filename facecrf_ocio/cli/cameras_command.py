@@ -56,7 +56,7 @@ def list_cameras(name: str) -> int:
     for called_so, one, origin in found:
         say(
             f"{called_so:<{width}} {one.grade}  {one.spread_stops:.2f} stops  "
-            f"{one.method:<{_METHOD}} {origin}  {one.proof}"
+            f"{one.method:<{_METHOD}} {origin}  {'; '.join(filter(None, (one.style, one.proof)))}"
         )
     return DONE
 

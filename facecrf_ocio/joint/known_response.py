@@ -106,11 +106,15 @@ def known_response(
 ) -> KnownResponse | None:
     """The measurements of a camera as one message; None if there are none.
 
-    Of a camera that bent its curve they say no more than those of another model.
+    Where the camera bent its curve, in the photo or while it was measured, they say no more than
+    those of another model.
     """
     found = matching(cameras, make, model) if model.strip() else ()
     if not found:
         return None
+    # What was measured while the camera bent its curve counts where there is nothing else.
+    found = tuple(one for one in found if not one.style) or found
+    bent = bent or bool(found[0].style)
     sure = np.array([1.0 / (one.spread_stops / _UNIT_STOPS) ** 2 for one in found])
     each = np.array([coefficients(one, prior) for one in found])
     first, second, others = OTHER_MODELS if bent else STYLES

@@ -35,17 +35,17 @@ def from_record(path: Path, record: Record) -> KnownCamera:
     if not camera.model:
         raise LutError(f"{path}: does not name its camera; use photos with EXIF")
     proof = f"{record.source.name} sha256 {record.source.sha256}: {estimate.reason}"
-    return entry(camera, estimate, proof)
+    return entry(camera, estimate, proof, style=", ".join(record.source.adapted))
 
 
-def entry(camera: Camera, estimate: Estimate, proof: str) -> KnownCamera:
-    """A measurement as the registry holds it."""
+def entry(camera: Camera, estimate: Estimate, proof: str, *, style: str = "") -> KnownCamera:
+    """A measurement as the registry holds it; its style is what bent the curve, if anything did."""
     at, curve, told = np.linspace(0.0, 1.0, POINTS), estimate.curve, estimate.confidence
     rows = rounded([np.interp(at, curve.encoded, row) for row in curve.linear])
     grade = "B" if told is not None and told.verdict is Verdict.RELIABLE else "C"
     spread = 0.1 if told is None else spread_stops(curve, told)
     return KnownCamera(
-        camera.make, camera.model, "", estimate.estimator, grade, spread, proof, rows
+        camera.make, camera.model, style, estimate.estimator, grade, spread, proof, rows
     )
 
 

@@ -14,6 +14,7 @@ from facecrf_ocio.errors import FaceCRFError
 from facecrf_ocio.joint.metadata import phone_leaning
 from facecrf_ocio.joint.prior import shipped_prior
 from facecrf_ocio.photo.read import read_photo
+from facecrf_ocio.response.expected_stops import verdict_of
 from facecrf_ocio.response.stops import CODES, MID_CODES, mean_over
 from facecrf_ocio.values import Camera, Float, Verdict
 
@@ -88,7 +89,10 @@ def _measured(place: Path, maker: str, model: str) -> ChartCamera | None:
         except FaceCRFError:
             continue  # another subject, or a chart that nobody finds
         told = estimate.confidence
-        if estimate.found is not None and told is not None and told.verdict is Verdict.RELIABLE:
+        if estimate.found is None or told is None or told.in_stops is None:
+            continue
+        # Bent curves too: whether the photos of a camera agree is looked at below.
+        if verdict_of(told.in_stops) is Verdict.RELIABLE:
             at = np.interp(CODES / CODES[-1], estimate.found.encoded, estimate.found.linear[1])
             curves.append(at)
             named = photo.camera
