@@ -328,9 +328,23 @@ def test_a_chart_on_which_the_curve_was_bent_measures_no_camera() -> None:
 
 
 def test_a_record_tells_a_registry_what_bent_a_measurement(bent: Photo, tmp_path: Path) -> None:
-    estimate = replace(calibrate(bent), estimator="pair")
-    record = Record(source_of(bent), estimate, {}, {}, ())
-    assert from_record(tmp_path / "a.crf.json", record).style == AUTO
+    """But of a bracket, whose exposures would not agree if they were bent."""
+    for way, style in (("pair", AUTO), ("chart", AUTO), ("bracket", "")):
+        estimate = replace(calibrate(bent, estimator="mean"), estimator=way)
+        record = Record(source_of(bent), estimate, {}, {}, ())
+        assert from_record(tmp_path / "a.crf.json", record).style == style
+
+
+def test_real_notes_of_makers_are_read(development_data: Path) -> None:
+    """By cameras older than such settings, or with nothing on."""
+    makers = {}
+    for path in sorted((development_data / "faces" / "camera_jpeg").glob("*.jpg")):
+        content = path.read_bytes()
+        exif = exif_of(content, take_apart(content))
+        makers[path.stem] = maker_notes(exif).maker
+        assert adapted_by(exif) == ()
+    assert makers["Canon_PowerShot_A560"] == "Canon"
+    assert makers["FujiFilm_FinePix2650"] == "Fujifilm"
 
 
 def test_evidence_and_records_keep_it(bent: Photo) -> None:

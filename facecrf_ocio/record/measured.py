@@ -35,7 +35,9 @@ def from_record(path: Path, record: Record) -> KnownCamera:
     if not camera.model:
         raise LutError(f"{path}: does not name its camera; use photos with EXIF")
     proof = f"{record.source.name} sha256 {record.source.sha256}: {estimate.reason}"
-    return entry(camera, estimate, proof, style=", ".join(record.source.adapted))
+    # Exposures that a camera bent unlike each other leave a residual; a single one does not.
+    bent = () if estimate.estimator == "bracket" else record.source.adapted
+    return entry(camera, estimate, proof, style=", ".join(bent))
 
 
 def entry(camera: Camera, estimate: Estimate, proof: str, *, style: str = "") -> KnownCamera:
