@@ -51,7 +51,6 @@ def olympus_settings(header: bytes, base: int | None) -> Callable[[Tags, int], b
 
 
 NOTES: Mapping[str, Callable[[Tags, int], bytes]] = {
-    "Apple": behind(b"Apple iOS\0\0\x01MM", 0, ">"),
     "NIKON CORPORATION": behind(b"Nikon\0\x02\x10\0\0II*\0\x08\0\0\0", 10),
     "Canon": behind(b"", None),
     "SONY": behind(b"SONY DSC \0\0\0", None),

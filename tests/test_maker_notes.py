@@ -91,7 +91,6 @@ ON: list[tuple[str, Tags, str]] = [
     ("FUJIFILM", {0x1402: (SHORT, (0,)), 0x140B: (SHORT, (200,))}, "Dynamic Range (Auto, 200 %)"),
     ("FUJIFILM", {0x1402: (SHORT, (1,)), 0x1403: (SHORT, (400,))}, "Dynamic Range (400 %)"),
     ("FUJIFILM", {0x1444: (SHORT, (2,))}, "D Range Priority (Strong)"),
-    ("Apple", {0x0A: (SIGNED_LONG, (3,))}, "HDR (on)"),
     ("SAMSUNG", {0xA012: (SHORT, (1,))}, "Smart Range (on)"),
 ]
 OFF: list[tuple[str, Tags]] = [
@@ -108,7 +107,6 @@ OFF: list[tuple[str, Tags]] = [
     ("PENTAX", {0x69: (BYTES, (0, 0, 0, 0)), 0x79: (BYTES, (0, 0))}),
     ("FUJIFILM", {0x1402: (SHORT, (0,)), 0x140B: (SHORT, (100,))}),
     ("FUJIFILM", {0x1402: (SHORT, (0,)), 0x1403: (SHORT, (400,))}),  # not by hand: not valid
-    ("Apple", {0x0A: (SIGNED_LONG, (4,))}),  # the exposure kept beside an HDR picture
 ]
 
 

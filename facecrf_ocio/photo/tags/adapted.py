@@ -3,7 +3,8 @@
 With one of them on, a photo has another curve than its camera's, and mostly more than one. Tags
 and values are those of ExifTool's tables (exiftool.org/TagNames, version 13.58). A value that is
 not listed there says nothing, and so does `off`. A weak setting counts as a strong one: makers
-publish no curves of either, and by `Auto` the camera chooses how strong.
+publish no curves of either, and by `Auto` the camera chooses how strong. Apple's HDR is told by
+EXIF itself (`edits.py`).
 """
 
 from __future__ import annotations
@@ -107,7 +108,6 @@ _SETTINGS: Mapping[str, tuple[_Setting, ...]] = {
         _Setting("D Range Priority", 0x1444, {1: "Weak", 2: "Strong", 3: "Plus"}),
         _Setting("D Range Priority", 0x1445, {1: "Weak", 2: "Strong"}),
     ),
-    "Apple": (_Setting("HDR", 0x0A, {3: "on"}),),
     "Samsung": (_Setting("Smart Range", 0xA012, {1: "on"}),),
     "Ricoh": (
         _Setting("Dynamic Range Compensation", 0x100E, {3: "Weak", 4: "Medium", 5: "Strong"}),

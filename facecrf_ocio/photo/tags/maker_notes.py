@@ -57,7 +57,6 @@ class _Layout:
 
 # By what they begin with, those of no signature last.
 _LAYOUTS = (
-    _Layout("Apple", b"Apple iOS\0", "", 14, 0),
     _Layout("Nikon", b"Nikon\0\2", "", 18, 10),
     _Layout("Olympus", b"OLYMPUS\0", "", 12, 0),
     _Layout("Olympus", b"OM SYSTEM\0", "", 16, 0),
