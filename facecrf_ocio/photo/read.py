@@ -172,7 +172,7 @@ def _read_image(file: PhotoFile, picture: Picture, ask_sha256: Callable[[], str]
     gain_map, set_aside = (None, ()) if file.jpeg is None else jpeg_gain_map(file.jpeg, turn)
     camera = camera_of(spec)
     edits = edits_told(file.xmp, camera.software, made_by(spec, file.content, camera))
-    adapted = adapted_by(exif_of(file.content, file.jpeg))
+    adapted = () if scene_linear else adapted_by(exif_of(file.content, file.jpeg))
     primaries = primaries_of(spec, icc, file.content)
     profile_noted = profile_notes(icc, gray=len(channels) == 1) if icc else _profile_lost(file)
     moving = (FIRST_OF_SEVERAL,) if is_animated(file.content) else ()

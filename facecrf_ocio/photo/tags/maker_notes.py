@@ -6,6 +6,7 @@ How notes begin, and from where their offsets count, is published in ExifTool's 
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from facecrf_ocio.files.plain_text import plain_text
@@ -23,7 +24,10 @@ _MAKE, _MODEL, _EXIF_DIRECTORY, _NOTES = 271, 272, 0x8769, 0x927C  # tags (EXIF 
 _IN_JPEG = b"Exif\0\0"
 # How EXIF begins in a box of JPEG XL (behind an offset of 32 bits) and in chunks of PNG and of WebP
 # (behind its length); some programs put JPEG's own mark before it.
-_MARKS, _BEFORE = (b"Exif", b"eXIf", b"EXIF"), (0, 2, 4)
+_MARK = re.compile(rb"(Exif|eXIf|EXIF)(|..|....)\Z", re.DOTALL)
+_LONGEST = 8  # [byte] of a mark and what is between it and EXIF
+_HEADS = (b"II*\0", b"MM\0*")  # with which EXIF begins, as a TIFF does
+_MOST_HEADS = 64  # looked at: pixels have one of them by chance in 4 GB
 _MOST_ENTRIES = 512  # of a directory; a larger number is one in the other order of bytes
 _MOST_TEXT = 64  # [characters] of a make or a model
 _KINDS = range(1, 14)  # of TIFF's values
@@ -135,14 +139,14 @@ def exif_of(content: bytes, jpeg: JpegParts | None) -> bytes:
         return next(iter(jpeg.contents(0xE1, _IN_JPEG)), b"")
     if byte_order(content):
         return content
-    for mark in _MARKS:
-        at = content.find(mark)
-        while at >= 0:
-            for before in _BEFORE:
-                start = at + len(mark) + before
-                if byte_order(content[start : start + 4]):
-                    return content[start:]
-            at = content.find(mark, at + 1)
+    for head in _HEADS:
+        at = -1
+        for _ in range(_MOST_HEADS):
+            at = content.find(head, at + 1)
+            if at < 0:
+                break
+            if _MARK.search(content[max(at - _LONGEST, 0) : at]):
+                return content[at:]
     return b""
 
 
