@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from facecrf_ocio.joint.brightness import less_sure
 from facecrf_ocio.joint.cue_weights import agreeing_shares
 from facecrf_ocio.joint.evidence import PhotoEvidence
 from facecrf_ocio.joint.fuse import average, multiply, widened
@@ -73,7 +74,7 @@ def fuse_photos(
         if joined is not None:
             of_photos[name] = joined
         if camera is not None:
-            share = share_beside(camera.message, prior.posterior(joined, weights))
+            share = share_beside(camera.message, _left_by(joined, prior, weights))
             of_cameras.setdefault(camera.name, []).append(share)
             shares[camera.source] = share
         outvoted += [called(cue) for cue, share in shares.items() if share < 0.5]
@@ -82,7 +83,7 @@ def fuse_photos(
     shares = agreeing_shares(of_photos, prior, weights)
     outvoted += [photo for photo, share in shares.items() if share < 0.5]
     posteriors = [
-        widened(prior.posterior(message, weights), stretches[photo])
+        widened(_left_by(message, prior, weights), stretches[photo])
         for photo, message in of_photos.items()
     ]
     trust = [
@@ -93,6 +94,12 @@ def fuse_photos(
     pooled = posteriors[0] if alone else average(posteriors, trust, correlation)
     families = np.mean([prior.shares_of_families(one.weights) for one in posteriors], axis=0)
     return Fused(_times_cameras(pooled, known, of_cameras), families, tuple(outvoted))
+
+
+def _left_by(message: Message | None, prior: FamilyPrior, weights: Float) -> Posterior:
+    """What all cues of a photo leave of the prior."""
+    left = prior.posterior(message, weights)
+    return left if message is None else less_sure(left, message, prior.family)
 
 
 def _times_cameras(

@@ -38,7 +38,7 @@ _BLIND = (
 )
 # `facecrf bench stress`, a day's photos through held-out DoRF responses; see docs/accuracy.md.
 _OURS = (
-    ("`facecrf calibrate`, rendered heads", "5.5", "13.7"),
+    ("`facecrf calibrate`, rendered heads", "5.8", "13.8"),
     ("`facecrf calibrate`, real photos", "8.7", "21.4"),
 )
 
