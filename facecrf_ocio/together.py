@@ -16,8 +16,8 @@ from facecrf_ocio.values import Estimate
 
 MISFIT_LIMIT = 1.0
 """Standard deviations from which a photo is taken to have another curve than its group. Of 1,440
-photos simulated for training, in groups of twelve of one measured response, 2.4 % had more against
-their own group; of 120 photos put into the group of another curve 17 % had more where that is 0.05
+photos simulated for training, in groups of twelve of one measured response, 1.9 % had more against
+their own group; of 120 photos put into the group of another curve 16 % had more where that is 0.05
 to 0.1 away (RMSE), and 42 % where it is 0.1 to 0.2 away, all with weights that never saw the
 group's curve."""
 
