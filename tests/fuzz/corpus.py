@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813
+from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from photo_files import CURVE, matrix_profile, write
+from maker_note_files import NOTES, exif_with
+from photo_files import CURVE, app1, matrix_profile, with_segments, write
 
 from facecrf_ocio.archive.manifest.connection import FILE
 from facecrf_ocio.archive.manifest.database import Manifest, Stamp
@@ -77,7 +81,20 @@ def tagged(folder: Path) -> list[Path]:
     assert output.open(str(path), spec)
     assert output.write_image(codes)
     output.close()
-    return [path]
+    return [path, *_with_maker_notes(folder, codes)]
+
+
+def _with_maker_notes(folder: Path, codes: np.ndarray) -> Iterator[Path]:
+    """JPEGs with a maker's notes, of each kind one with a value and one with an array."""
+    out = BytesIO()
+    Image.fromarray(codes).save(out, "JPEG")
+    arrays = {0x4018: (9, (20, 1, 0, 1, 0)), 0x99: (4, (28, 1, 1, 20, 1, 0x204, 1))}
+    values = {0x22: (3, (1,)), 0x50F: (8, (0, -1, 1, 1)), 0x1402: (3, (0,)), 0x140B: (3, (200,))}
+    for number, make in enumerate(NOTES):
+        path = folder / f"notes_{number}.jpg"
+        exif = app1(exif_with(make, {**arrays, **values}))
+        path.write_bytes(with_segments(out.getvalue(), exif))
+        yield path
 
 
 def records(folder: Path) -> list[Path]:
