@@ -86,6 +86,21 @@ def test_who_always_answers_the_same_is_found_out(tmp_path, monkeypatch):
         assert by_curve[f"power {power:g}"] == pytest.approx(expected, rel=0.02)
 
 
+def test_no_curve_can_be_read_from_codes_that_it_left_out(tmp_path, monkeypatch):
+    seen = []
+
+    def watched(photo):
+        seen.append(np.rint(255.0 * photo.encoded[..., 0]).astype(int))
+        return estimated(2.2)
+
+    monkeypatch.setattr(consistency, "calibrate", watched)
+    codes = np.tile(np.arange(256, dtype=np.uint8)[None, :, None], (64, 4, 3))
+    measure_consistency([write(tmp_path / "ramp.png", codes, oiio.UINT8)])
+    assert len(seen) == 1 + 6 + 1  # as it is, through six curves, and encoded as sRGB
+    for changed in seen:
+        assert set(range(255)) - set(changed.ravel().tolist()) == set()
+
+
 def test_photos_of_one_camera_are_held_against_their_others(tmp_path, monkeypatch):
     answers = iter([2.0, 2.4, 2.2, 3.0])
     cameras = iter([CANON, CANON, Camera(), Camera("Sony", "A")])

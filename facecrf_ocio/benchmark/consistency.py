@@ -33,7 +33,8 @@ AGREEMENT = "of one camera"
 LEGEND = """\
 through a known curve: each photo is sent through increasing curves h, in 8 bits, and its estimate
 held against g(h^-1). encoded as sRGB: it is linearized by its estimate, encoded as sRGB in 8 bits,
-and the new estimate held against sRGB. of one camera: the estimate of each photo is held against
+and the new estimate held against sRGB. Codes are spread over their width before, so that none is
+left out by what they go through. of one camera: the estimate of each photo is held against
 the mean curve of the others whose files name the same camera. Differences in stops, with one free
 factor taken out at code 128, over codes 64 to 235 and over the shadows 16 to 64, and as RMSE x 100.
 band: share of codes at which the difference lies within the 90 % band in stops."""
@@ -131,8 +132,9 @@ def write_consistency(found: Consistency, output: Path) -> tuple[Path, ...]:
 
 def _through_curves(name: str, photo: Photo, estimate: Estimate) -> Iterator[Difference]:
     """Compare with g(h^-1), for every h."""
+    encoded = _spread(photo)
     for curve, h in known_curves().items():
-        changed = photo_in_8_bits(photo, np.interp(photo.encoded, _GRID, h))
+        changed = photo_in_8_bits(photo, np.interp(encoded, _GRID, h))
         back = np.interp(_GRID, h, _GRID)
         inverse = estimate.curve
         truth = np.array([np.interp(back, inverse.encoded, row) for row in inverse.linear])
@@ -141,9 +143,20 @@ def _through_curves(name: str, photo: Photo, estimate: Estimate) -> Iterator[Dif
 
 def _as_srgb(name: str, photo: Photo, estimate: Estimate) -> Iterator[Difference]:
     srgb = decode_srgb(_GRID)
-    encoded = np.interp(estimate.curve.linearize(photo.encoded), srgb, _GRID)
+    encoded = np.interp(estimate.curve.linearize(_spread(photo)), srgb, _GRID)
     truth = np.tile(srgb, (3, 1))
     yield from _difference((SRGB, name, "sRGB"), photo_in_8_bits(photo, encoded), truth)
+
+
+def _spread(photo: Photo) -> Float:
+    """Its encoded values, each somewhere within its code, in [0, 1]; the same every time.
+
+    A curve leaves gaps between codes where it rises by more than one. Photos have none, and cues
+    would read the curve from them (as a fifth of what they find).
+    """
+    width = 1.0 / (2.0 ** (photo.bit_depth or 8) - 1.0)
+    within = np.random.default_rng(0).random(photo.encoded.shape, np.float32) - 0.5
+    return np.clip(photo.encoded + np.float32(width) * within, 0.0, 1.0)
 
 
 def _difference(case: tuple[str, str, str], photo: Photo, truth: Float) -> Iterator[Difference]:
