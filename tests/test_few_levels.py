@@ -114,3 +114,23 @@ def test_calibrate_refuses_a_poster_and_doubts_what_may_be_one() -> None:
     assert told is not None
     assert told.verdict is not Verdict.RELIABLE
     assert any("perhaps no single curve: its brightness keeps to few" in d for d in told.doubts)
+
+
+def with_grain(codes: np.ndarray, deviation: float) -> np.ndarray:
+    grain = np.random.default_rng(0).normal(0.0, deviation, codes.shape)
+    return np.clip(np.rint(codes + grain), 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize("deviation", [3, 6, 9])
+@pytest.mark.parametrize("quality", [None, 92, 80])
+@pytest.mark.parametrize("levels", [4, 6, 8])
+def test_grain_hides_no_poster(levels: int, quality: int | None, deviation: float) -> None:
+    made = with_grain(poster(levels), deviation)
+    assert says(made if quality is None else through_jpeg(made, quality, "4:2:0"))
+
+
+@pytest.mark.parametrize("deviation", [1, 3, 6, 9, 15])
+@pytest.mark.parametrize("quality", [None, 92, 80])
+def test_grain_makes_no_poster(quality: int | None, deviation: float) -> None:
+    grainy = with_grain(CODES, deviation)
+    assert says(grainy if quality is None else through_jpeg(grainy, quality, "4:2:0")) == ""

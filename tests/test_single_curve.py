@@ -352,10 +352,19 @@ def with_lightness_inverted(codes: np.ndarray) -> np.ndarray:
     return cv2.cvtColor(planes, cv2.COLOR_LAB2RGB)
 
 
+def in_order(*order: int):
+    return lambda codes: codes[..., order]
+
+
+INVERTED = "as with brightness inverted"
 MADE_WRONG = {
-    "luma inverted": (with_luma_inverted, "eyes are brighter than the skin"),
-    "lightness inverted": (with_lightness_inverted, "eyes are brighter than the skin"),
-    "green and blue swapped": (lambda codes: codes[..., [0, 2, 1]], "more blue than green"),
+    "luma inverted": (with_luma_inverted, INVERTED),
+    "lightness inverted": (with_lightness_inverted, INVERTED),
+    "red and blue exchanged": (in_order(2, 1, 0), "with red and blue exchanged"),
+    "red and green exchanged": (in_order(1, 0, 2), "with red and green exchanged"),
+    "green and blue exchanged": (in_order(0, 2, 1), "with green and blue exchanged"),
+    "blue, red, green": (in_order(2, 0, 1), "with each channel in another's place"),
+    "green, blue, red": (in_order(1, 2, 0), "with each channel in another's place"),
 }
 
 
@@ -372,6 +381,22 @@ def test_a_faces_own_parts_tell_how_its_picture_was_made_wrong(
     confidence = conclude([replace(evidence, messages=surely(evidence))]).confidence
     assert confidence is not None
     assert confidence.verdict is Verdict.WEAK
+
+
+def in_gray_light(photo: np.ndarray) -> np.ndarray:
+    """Light in which her skin is gray, and half of the color that is left."""
+    skin = np.median(photo[180:280, 220:320].reshape(-1, 3), axis=0)
+    even = photo * (skin.mean() / skin)
+    return np.clip(0.5 * even + 0.5 * even.mean(axis=2, keepdims=True), 0.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    "order", [(0, 1, 2), (2, 1, 0), (1, 0, 2), (0, 2, 1), (1, 2, 0), (2, 0, 1)]
+)
+def test_channels_tell_their_order_in_gray_light_too(order: tuple) -> None:
+    photo = np.float32(in_gray_light(grace_hopper())[..., order])
+    said = gather(Photo(np.ascontiguousarray(photo))).doubt
+    assert ("channels seem swapped" in said) == (order != (0, 1, 2))
 
 
 @pytest.mark.parametrize("gains", [(1, 1, 1), (1.2, 1, 0.7), (0.8, 1, 1.25), (1.1, 0.85, 1.1)])

@@ -1,14 +1,16 @@
 """What a face's own parts tell of its picture: that brightness is inverted, or channels swapped.
 
-Eyes and nostrils are darker than the skin around them whatever the skin, the light or the curve,
-and skin is less blue against green than eyes, lips and most of what is around. Where it is the
-other way round, no camera's curve made the picture.
+Eyes, nostrils and brows are darker than the skin around them whatever the skin, the light or the
+curve, lips are redder than skin, and skin varies less in red than in blue. Where it is the other
+way round, no camera's curve made the picture.
+
+What counts how much was found by logistic regressions on portraits of unknown cameras and on
+rendered heads, and on both inverted and swapped (docs/evidence).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import cv2
 import numpy as np
@@ -18,21 +20,44 @@ from facecrf_ocio.face.view import FaceView
 from facecrf_ocio.photo.raster.pixels import Float32, Pixels, code_values, packed
 from facecrf_ocio.values import Bool, Float
 
-_EYES = (regions.RIGHT_LIDS, regions.LEFT_LIDS)
+_EYES = (regions.RIGHT_EYE, regions.LEFT_EYE)
+_LIDS = (regions.RIGHT_LIDS, regions.LEFT_LIDS)
 _NOSTRILS = (regions.RIGHT_NOSTRIL, regions.LEFT_NOSTRIL)
+_BROWS = (regions.RIGHT_BROW, regions.LEFT_BROW)
+_LIPS = (regions.LIPS,)
 _RING = 0.06  # of the head's width: how far around a part its skin is looked at
-_FEWEST = 8  # [px] of a part and of its ring, at 160 px a face: fewer are noise
-_BRIGHTER = 2.0  # [code of 255] by which eyes must be brighter at least, for rounding
-# Of that, by how much nostrils may be darker: two of eight photos of a head of very dark skin have
-# 0.25 and 0.80, of inverted pictures of 16 portraits the most is 0.17.
-_DARKER = 0.2
-# Of the range of eyes, between quantiles: with 0.1, 9 of 416 ordinary photos are told to be
-# inverted, rendered heads of very dark skin all of them; with 0.2 one is.
-_OF_RANGE, _ENDS = 0.2, (0.1, 0.9)
-_CLIPPED = (6, 250)  # [code of 255] beyond these, a ratio of channels is not the light's
+_FEWEST, _FEWEST_RINGED = 8, 4  # [px] of a part, and of one with a ring, at 160 px a face
 _SAMPLES = 192  # [px] of the long side at which the whole picture is looked at
-# Sum of log ratios: with 0.04, 17 of the same 416 are told to be swapped, with 0.2 five.
-_BLUER = 0.2
+
+_SQUASHED = 12.0  # [code of 255] of difference, from which on more of it hardly counts more
+_DARK = 8.0  # [code of 255] below which a ratio of channels is rounding
+# Of lids, the tenth and the ninth tenth of eyes, nostrils, brows and lips against skin; and how
+# blue less green, and the log of red over blue, rise with brightness on skin.
+_BRIGHT = np.array([2.47, 1.92, 1.1, 3.56, 3.18, 0.54, 1.89, -1.35])
+# Above it brightness is inverted: one of 749 portraits is, no render, and 1 to 2 % of inverted
+# portraits are below.
+_INVERTED = 0.3
+
+# Of skin its log ratios of red and of blue to green; those less the ratios of eyes, lips, brows and
+# picture; log ratios of variances of red and of blue to green; and those of the variances of red
+# over green, and of red over blue, to that of blue over green.
+_COLORED = np.array(
+    [*(6.21, -3.94, 1.59, -2.64, -10.52, -1.58, 4.91, 0.12, 1.46, -1.91), -3.86, 1.72, -2.73, 7.86]
+)
+# Log ratio of each from which on more of it hardly counts more.
+_HARDLY = np.array([0.6, 0.6, *8 * [0.3], 0.5, 0.5, 1.0, 1.0])
+_COLORLESS = 3e-4  # [log^2] variance that rounding and JPEG leave: two per cent of a code value
+# By which another order must fit better: one of 388 portraits that chose nothing is beyond.
+_SWAPPED = 2.0
+_ORDERS = {  # of channels, all but red, green and blue
+    (2, 1, 0): "red and blue exchanged",
+    (1, 0, 2): "red and green exchanged",
+    (0, 2, 1): "green and blue exchanged",
+    (1, 2, 0): "each channel in another's place",
+    (2, 0, 1): "each channel in another's place",
+}
+_MARGIN = np.ones((5, 5), np.uint8)  # [px] two around, where skin blends with what it borders
+_FEWEST_SKIN = 200  # [px] within that margin, or skin is taken whole
 
 
 def odd_parts(view: FaceView, pixels: Pixels) -> tuple[str, ...]:
@@ -45,30 +70,43 @@ def odd_parts(view: FaceView, pixels: Pixels) -> tuple[str, ...]:
     pixels
         (H, W, 3) code values of the whole picture in [0, 1], or of 8 bits.
     """
+    parts = [
+        view.geometry.bare_skin,
+        *(_within(view, part) for part in (_EYES, _LIPS, _BROWS)),
+    ]
+    if min(np.count_nonzero(part) for part in parts) < _FEWEST:
+        return ()
     found = []
-    if _is_inverted(view):
-        found.append("the eyes are brighter than the skin around them, as with brightness inverted")
-    if _is_swapped(view, pixels):
+    if inversion(view) > _INVERTED:
         found.append(
-            "the skin is more blue than green, and more so than eyes, lips and picture, as with "
-            "channels swapped"
+            "eyes, nostrils and brows are bright beside the skin, as with brightness inverted"
         )
+    order = _other_order(view, pixels, parts)
+    if order:
+        found.append(f"the face's colors are a face's with {order}: channels seem swapped")
     return tuple(found)
 
 
-def _is_inverted(view: FaceView) -> bool:
-    luma = 255.0 * np.asarray(cv2.cvtColor(view.encoded, cv2.COLOR_RGB2GRAY), np.float64)
-    eyes, nostrils = (_above_skin(view, luma, parts) for parts in (_EYES, _NOSTRILS))
-    seen = luma[_eyes(view)]
-    if seen.size < _FEWEST:
-        return False
-    # The white of eyes is brighter than very dark skin, whose nostrils and pupils are darker.
-    least = max(_BRIGHTER, _OF_RANGE * float(np.ptp(np.quantile(seen, _ENDS))))
-    return eyes > least and nostrils > -_DARKER * eyes
+def inversion(view: FaceView) -> float:
+    """How much speaks for inverted brightness, in log odds but for a constant."""
+    codes = 255.0 * view.encoded
+    luma = np.asarray(cv2.cvtColor(codes, cv2.COLOR_RGB2GRAY), np.float64)
+    lids, eyes, nostrils, brows, lips = (
+        _above_skin(view, luma, parts) for parts in (_LIDS, _EYES, _NOSTRILS, _BROWS, _LIPS)
+    )
+    above = np.array([lids[0], eyes[1], eyes[2], nostrils[0], brows[0], lips[0]])
+    skin = view.geometry.bare_skin
+    bright, (red, green, blue) = luma[skin], codes[skin].T.astype(np.float64)
+    slopes = (
+        _slope(bright, blue - green),
+        _slope(np.log(bright + _DARK), np.log((red + 1.0) / (blue + 1.0))),
+    )
+    told = [*(above / (np.abs(above) + _SQUASHED)), *np.clip(slopes, -1.0, 1.0)]
+    return float(_BRIGHT @ told)
 
 
-def _above_skin(view: FaceView, luma: Float, parts: Sequence[Sequence[int]]) -> float:
-    """[code] By how much parts are brighter than the skin around each; 0 where none is seen."""
+def _above_skin(view: FaceView, luma: Float, parts: Sequence[Sequence[int]]) -> Float:
+    """[code] (3,) mean and outer tenths of parts above the skin around each; 0 where unseen."""
     width = float(np.ptp(view.geometry.vertices[list(regions.CHEEK_EDGES), 0]))
     reach = max(1, round(_RING * width))
     around = cv2.getStructuringElement(cv2.MORPH_RECT, (2 * reach + 1, 2 * reach + 1))
@@ -76,35 +114,60 @@ def _above_skin(view: FaceView, luma: Float, parts: Sequence[Sequence[int]]) -> 
     for part in parts:
         inside = view.within(part)
         ring = (cv2.dilate(inside.astype(np.uint8), around) > 0) & view.geometry.bare_skin
-        if min(np.count_nonzero(inside), np.count_nonzero(ring)) >= _FEWEST:
-            above.append(float(luma[inside].mean() - np.median(luma[ring])))
-    return float(np.mean(above)) if above else 0.0
+        if min(np.count_nonzero(inside), np.count_nonzero(ring)) >= _FEWEST_RINGED:
+            seen = luma[inside]
+            told = np.array([seen.mean(), *np.quantile(seen, (0.1, 0.9))])
+            above.append(told - np.median(luma[ring]))
+    return np.asarray(np.mean(above, axis=0)) if above else np.zeros(3)
 
 
-def _is_swapped(view: FaceView, pixels: Pixels) -> bool:
-    planes: Any = cv2.split(view.encoded)
-    red, green, blue = planes
-    darkest = np.asarray(cv2.min(cv2.min(red, green), blue))
-    brightest = np.asarray(cv2.max(cv2.max(red, green), blue))
-    low, high = (code / 255 for code in _CLIPPED)
-    skin = view.geometry.bare_skin & (darkest > low) & (brightest < high)
-    parts = (skin, _eyes(view), view.within(regions.LIPS))
-    if min(np.count_nonzero(part) for part in parts) < _FEWEST:
-        return False
-    of_skin, of_eyes, of_lips = (
-        float(np.median(_bluer(blue[part], green[part]))) for part in parts
-    )
+def _slope(x: Float, y: Float) -> float:
+    """Of the line through points that fits best; 0 where all x are one."""
+    apart = x - x.mean()
+    square = float(apart @ apart)
+    return float(apart @ y) / square if square > 0.0 else 0.0
+
+
+def _other_order(view: FaceView, pixels: Pixels, parts: Sequence[Bool]) -> str:
+    """The order of channels in which the face's colors are a face's, empty if they are as given."""
+    logs = _logs(view.encoded)
     step = max(1, max(pixels.shape[:2]) // _SAMPLES)
-    some = code_values(packed(pixels[::step, ::step]), 8)
-    of_picture = cv2.mean(some)
-    picture = float(_bluer(np.array(of_picture[2]), np.array(of_picture[1])))
-    return of_skin > 0 and 3 * of_skin - of_eyes - of_lips - picture > _BLUER
+    picture = _logs(code_values(packed(pixels[::step, ::step]), 8))
+    middle = np.stack(
+        [*(np.median(logs[part], axis=0) for part in parts), picture.mean(axis=(0, 1))]
+    )
+    inner = cv2.erode(parts[0].astype(np.uint8), _MARGIN) > 0
+    skin = logs[inner if np.count_nonzero(inner) >= _FEWEST_SKIN else parts[0]]
+    spread = np.cov(skin.T.astype(np.float64))
+    scores = {order: _likeness(middle[:, order], spread[np.ix_(order, order)]) for order in _ORDERS}
+    best = max(scores, key=lambda order: scores[order])
+    return _ORDERS[best] if scores[best] > _likeness(middle, spread) + _SWAPPED else ""
 
 
-def _bluer(blue: Float32, green: Float32) -> Float:
-    """Log ratios (N,) of encoded values (N,); a code more in each keeps from that of nothing."""
-    return np.asarray(np.log((255.0 * blue + 1.0) / (255.0 * green + 1.0)))
+def _likeness(middle: Float, spread: Float) -> float:
+    """How like a face's colors are, in log odds beside another order.
+
+    `middle` (5, 3) are logs of skin, eyes, lips, brows and picture, `spread` (3, 3) skin's.
+    """
+    ratios = (middle - middle[:, 1:2])[:, [0, 2]]
+    variance = np.log(np.diag(spread) + 3.0 * _COLORLESS)
+    apart = np.add.outer(np.diag(spread), np.diag(spread)) - 2.0 * spread
+    red_green, red_blue, blue_green = np.log(apart[[0, 0, 2], [1, 2, 1]] + _COLORLESS)
+    told = np.array(
+        [
+            *ratios[0],
+            *(ratios[0] - ratios[1:]).ravel(),
+            *(variance[[0, 2]] - variance[1]),
+            *(red_green - blue_green, red_blue - blue_green),
+        ]
+    )
+    return float(_COLORED @ (told / (np.abs(told) + _HARDLY)))
 
 
-def _eyes(view: FaceView) -> Bool:
-    return view.within(regions.RIGHT_EYE) | view.within(regions.LEFT_EYE)
+def _logs(encoded: Float32) -> Float32:
+    """Logs of code values; a code more in each keeps from that of nothing."""
+    return np.asarray(np.log(255.0 * encoded + 1.0), np.float32)
+
+
+def _within(view: FaceView, parts: Sequence[Sequence[int]]) -> Bool:
+    return np.asarray(np.logical_or.reduce([view.within(part) for part in parts]))

@@ -26,6 +26,15 @@ _MEDIAN = 5  # [px] which takes away noise, and a JPEG's rings around edges
 # [codes] Deviations of two blurs of the histogram: the first closes the gaps of a photo whose
 # contrast was raised in 8 bits, the second levels that are 8 to 32 codes apart, and no shading.
 _FINE, _SMOOTH = 1, 5
+# [px] and [codes] the same where grain was laid over the levels; gaps of a photo that was pushed in
+# 8 bits are closed.
+_GRAIN_MEDIAN, _GRAIN_FINE, _GRAIN_SMOOTH = 9, 2, 8
+# Of that roughness, log codes of grain, and log pixels of the face's side; and what they must
+# exceed. Grain hides levels, and of few pixels a histogram is rough by chance: found by a logistic
+# regression on posters, on what they were made of, and on that with the same grain (docs/evidence).
+_GRAINY, _MOST_GRAINY = np.array([46.52, 4.39, 1.39]), 20.49
+_NO_GRAIN = 0.3  # [code] of a picture that rounding leaves none in
+_GRAIN_SIDE = 320  # [px] as large as most faces that this was found on
 _CLIPPED = (8, 247)  # [code of 255] beyond these, much of a photo is at one code
 _ENDS = (0.02, 0.98)  # quantiles between which codes are looked at
 _FEWEST_PIXELS = 500  # some ten for each code
@@ -42,10 +51,12 @@ def few_levels(pixels: Pixels, box_xy: Float, settings: JointSettings) -> Lackin
     box_xy
         (4,) x, y, width, height [px] of the face.
     """
-    found = roughness(eight_bit(packed(inside_face(pixels, box_xy))))
+    codes = eight_bit(packed(inside_face(pixels, box_xy)))
+    found = roughness(codes)
     if found > settings.most_roughness:
         return Lacking(f"the face's {_REASON}", ORIGINAL)
-    return f"its {_REASON}" if found > settings.sure_roughness else ""
+    few = found > settings.sure_roughness or has_grainy_levels(codes)
+    return f"its {_REASON}" if few else ""
 
 
 def roughness(codes: npt.NDArray[np.uint8]) -> float:
@@ -55,12 +66,28 @@ def roughness(codes: npt.NDArray[np.uint8]) -> float:
     of its channels, and of a palette those of its colors. A channel counts as smooth where it has
     too few pixels, or hardly differs.
     """
+    return _of_channels(codes, _MEDIAN, _FINE, _SMOOTH)
+
+
+def has_grainy_levels(codes: npt.NDArray[np.uint8]) -> bool:
+    """Whether (h, w, 3) codes keep to few levels that grain was laid over."""
+    step = max(1, round(max(codes.shape[:2]) / _GRAIN_SIDE))
+    codes = packed(codes[::step, ::step])
+    luma: Any = cv2.cvtColor(codes, cv2.COLOR_RGB2GRAY)
+    grain = float(np.median(cv2.absdiff(luma, cv2.medianBlur(luma, _MEDIAN))))
+    wide = _of_channels(codes, _GRAIN_MEDIAN, _GRAIN_FINE, _GRAIN_SMOOTH)
+    told = [wide, np.log(grain + _NO_GRAIN), np.log(max(codes.shape[:2]))]
+    return bool(_GRAINY @ told > _MOST_GRAINY)
+
+
+def _of_channels(codes: npt.NDArray[np.uint8], median: int, fine: int, smooth: int) -> float:
     luma = cv2.cvtColor(codes, cv2.COLOR_RGB2GRAY)
-    return float(np.mean([_of_channel(channel) for channel in (luma, *cv2.split(codes))]))
+    channels = (luma, *cv2.split(codes))
+    return float(np.mean([_of_channel(one, median, fine, smooth) for one in channels]))
 
 
-def _of_channel(channel: Any) -> float:
-    quiet: Any = cv2.medianBlur(channel, _MEDIAN)
+def _of_channel(channel: Any, median: int, fine: int, smooth: int) -> float:
+    quiet: Any = cv2.medianBlur(channel, median)
     counts = np.asarray(cv2.calcHist([quiet], [0], None, [256], [0, 256]).ravel(), np.float64)
     counts[: _CLIPPED[0] + 1] = counts[_CLIPPED[1] :] = 0.0
     total = counts.sum()
@@ -71,9 +98,9 @@ def _of_channel(channel: Any) -> float:
         return 0.0
     between = counts[low : high + 1]
     # What the wide blur takes off the one mode of a dim or plain face is put back (twicing).
-    smooth = _blurred(between, _SMOOTH)
-    smooth = 2 * smooth - _blurred(smooth, _SMOOTH)
-    return float(np.abs(_blurred(between, _FINE) - smooth).sum() / between.sum())
+    wide = _blurred(between, smooth)
+    wide = 2 * wide - _blurred(wide, smooth)
+    return float(np.abs(_blurred(between, fine) - wide).sum() / between.sum())
 
 
 def _blurred(counts: Float, deviation: int) -> Float:
