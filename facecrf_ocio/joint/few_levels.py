@@ -71,7 +71,7 @@ def roughness(codes: npt.NDArray[np.uint8]) -> float:
 
 def has_grainy_levels(codes: npt.NDArray[np.uint8]) -> bool:
     """Whether (h, w, 3) codes keep to few levels that grain was laid over."""
-    step = max(1, round(max(codes.shape[:2]) / _GRAIN_SIDE))
+    step = -(-max(codes.shape[:2]) // _GRAIN_SIDE)
     codes = packed(codes[::step, ::step])
     luma: Any = cv2.cvtColor(codes, cv2.COLOR_RGB2GRAY)
     grain = float(np.median(cv2.absdiff(luma, cv2.medianBlur(luma, _MEDIAN))))
