@@ -22,7 +22,7 @@ from facecrf_ocio.estimators import (
 )
 from facecrf_ocio.joint import JointModel, PhotoEvidence, conclude, gather, shipped_joint
 from facecrf_ocio.joint.single_curve import gain_scatter
-from facecrf_ocio.joint.verdict import bent_by, doubted, not_single
+from facecrf_ocio.joint.verdict import doubted
 from facecrf_ocio.photo.given import GivenPhoto, photo_given
 from facecrf_ocio.response.fixed import fixed_curve, prior_confidence
 from facecrf_ocio.response.model import (
@@ -43,6 +43,7 @@ from facecrf_ocio.values import (
     Verdict,
 )
 from facecrf_ocio.wording.assumption_words import primaries_assumed
+from facecrf_ocio.wording.doubts import bent_by, not_single
 
 _Model = TypeVar("_Model")
 

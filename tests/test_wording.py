@@ -13,8 +13,18 @@ from facecrf_ocio.cli.explain_command import TOPIC_NAMES
 from facecrf_ocio.cli.facecrf import main
 from facecrf_ocio.color.srgb import decode_srgb
 from facecrf_ocio.errors import SettingsError, in_options
+from facecrf_ocio.face.second_look import NOBODYS
+from facecrf_ocio.photo.tags.edits import edits_told, made_as_told
+from facecrf_ocio.record.demand import Demand, demand
 from facecrf_ocio.record.measured import MEASURED
-from facecrf_ocio.values import InStops
+from facecrf_ocio.values import Camera, InStops
+from facecrf_ocio.wording.doubts import (
+    bent_by,
+    contradicted,
+    lifted_by,
+    not_single,
+    of_several_cameras,
+)
 from facecrf_ocio.wording.expectation import expectation
 from facecrf_ocio.wording.explanations import TOPICS, explanation
 from facecrf_ocio.wording.next_steps import next_steps
@@ -68,6 +78,70 @@ def test_what_is_weak_says_what_makes_it_surer(surface):
     assert surface.together in said
     assert surface.pair in said
     assert surface.together not in sentence(estimate(POWER), surface)
+
+
+def doubting(*doubts, estimator="joint"):
+    told = estimate(POWER, verdict=Verdict.WEAK)
+    confidence = replace(told.confidence, doubts=doubts)
+    return replace(told, estimator=estimator, confidence=confidence)
+
+
+BENT = bent_by(["Active D-Lighting (Auto)"])[0]
+EDITED = not_single(edits_told("", "Adobe Photoshop 25.0"))[0]
+HDR = not_single(made_as_told(b"", Camera("Apple", "iPhone 12"), 3))[0]
+OTHER_STYLE = contradicted(1, "the measured response of Acme One")
+MIXED = of_several_cameras(2, "Acme One, Acme Two")
+OFF, RAW = "photos with that setting off", COMMAND_LINE.raw
+
+
+@pytest.mark.parametrize(
+    ("doubt", "ways"),
+    [
+        (BENT, (OFF, RAW)),
+        (HDR, (OFF, RAW)),
+        (EDITED, ("the picture as the camera wrote it", RAW)),
+        (not_single(["channels seem swapped"])[0], ("the picture as the camera wrote it", RAW)),
+        (not_single(["its gain map strays from every single curve by 0.3 stops"])[0], (RAW,)),
+        (not_single(edits_told("", "Midjourney"))[0], ("the picture as the camera wrote it",)),
+        (not_single([NOBODYS])[0], ("a photo of a person", RAW)),
+        (not_single(["a.jpg: " + NOBODYS])[0], ("a photo of a person", RAW)),
+        (OTHER_STYLE, (RAW,)),
+        (MIXED, ("photos of one camera alone",)),
+        ("the face is dark: 80 % of it below code 64", (COMMAND_LINE.together, COMMAND_LINE.pair)),
+    ],
+)
+def test_of_a_doubt_only_what_lifts_it_is_told(doubt, ways):
+    """More photos of the camera, `--together`, make a band narrower, and lift few doubts."""
+    told = doubting(doubt)
+    assert sentence(told, COMMAND_LINE).endswith(f"{doubt}; surer: {', or '.join(ways)}")
+    steps = next_steps(told, COMMAND_LINE)
+    assert f"Make it surer: {ways[0]}." in steps
+    assert len([one for one in steps if "measure the camera" in one]) == len(ways) - 1
+
+
+def test_of_several_doubts_what_lifts_all_is_told():
+    dark = "the face is dark: 80 % of it below code 64"
+    assert sentence(doubting(dark, BENT)).endswith(f"surer: {OFF}, or {ANYWHERE.raw}")
+    assert sentence(doubting(EDITED, BENT)).endswith(f"surer: {ANYWHERE.raw}")
+    assert sentence(doubting(MIXED, EDITED)).endswith(
+        "surer: photos of one camera alone and the picture as the camera wrote it"
+    )
+    assert len(lifted_by([BENT, BENT])) == len(lifted_by([BENT]))
+
+
+def test_a_chart_whose_curve_was_bent_is_not_mended_by_its_light():
+    said = sentence(doubting(BENT, estimator="chart"), COMMAND_LINE)
+    assert said.endswith(f"{BENT}; surer: {OFF}")
+    other = "a photo's exposure is false: leave it out"
+    assert sentence(doubting(other, estimator="bracket"), COMMAND_LINE).endswith(other)
+
+
+def test_what_is_asked_for_in_vain_is_mended_by_what_lifts_the_doubts():
+    least = Demand("reliable")
+    weak = estimate(POWER, verdict=Verdict.WEAK)
+    assert "several photos together" in demand(weak, least).remedy
+    told = demand(doubting(BENT), least).remedy
+    assert told == f"use {OFF}, {ANYWHERE.raw}, or ask for less"
 
 
 @pytest.mark.parametrize("estimator", MEASURED)

@@ -15,7 +15,7 @@ from facecrf_ocio.chart.reflectances import EDITIONS, GRAYS, reflectances
 from facecrf_ocio.errors import PhotoError, SettingsError
 from facecrf_ocio.joint.metadata import modern_leaning, phone_leaning
 from facecrf_ocio.joint.prior import FamilyPrior, shipped_prior
-from facecrf_ocio.joint.verdict import bent_by, doubted, judge
+from facecrf_ocio.joint.verdict import doubted, judge
 from facecrf_ocio.response.coverage import coverage_at, coverage_counts
 from facecrf_ocio.response.expected_stops import verdict_of
 from facecrf_ocio.response.model import inverse_crf
@@ -30,6 +30,7 @@ from facecrf_ocio.values import (
     Photo,
 )
 from facecrf_ocio.wording.assumption_words import RELATIVE_TO_WHITE
+from facecrf_ocio.wording.doubts import bent_by
 
 FEWEST_GRAYS = 4
 """Patches of the gray row that must be neither clipped nor drowned, in every channel."""

@@ -23,7 +23,7 @@ from facecrf_ocio.joint.known_response import (
 from facecrf_ocio.joint.messages import COMBINED
 from facecrf_ocio.joint.metadata import UNTOLD
 from facecrf_ocio.joint.prior import Posterior
-from facecrf_ocio.joint.verdict import bent_by, deviations, doubted, judge, not_single
+from facecrf_ocio.joint.verdict import deviations, doubted, judge
 from facecrf_ocio.response.coverage import coverage_at
 from facecrf_ocio.response.expected_stops import verdict_of
 from facecrf_ocio.response.model import inverse_crf, strictly_increasing
@@ -36,6 +36,7 @@ from facecrf_ocio.values import (
     Outcome,
     Verdict,
 )
+from facecrf_ocio.wording.doubts import bent_by, contradicted, not_single, of_several_cameras
 
 _CAMERAS_TOLD = 3  # of those that photos of one curve name by mistake: the mistake is seen
 
@@ -146,17 +147,11 @@ def _with_cameras(
     named = {one.source: one.bent for one in known.values()}
     counts = {False: "counts as evidence", True: "counts as another model's would"}
     agreeing = (f"{one} {counts[bent]}" for one, bent in named.items() if one not in dissent)
-    photos = "the photo contradicts" if len(telling) == 1 else "the photos contradict"
-    doubts = [
-        f"{photos} {one}: another picture style, or edited" for one in named if one in dissent
-    ]
+    doubts = [contradicted(len(telling), one) for one in named if one in dissent]
     taken_with = cameras_named(one.camera for one in telling)
     if len(taken_with) > 1:
         told_of = [*taken_with[:_CAMERAS_TOLD], *(["..."] if taken_with[_CAMERAS_TOLD:] else [])]
-        doubts.append(
-            f"the photos name {len(taken_with)} cameras, but one curve is of one camera: "
-            f"{', '.join(told_of)}"
-        )
+        doubts.append(of_several_cameras(len(taken_with), ", ".join(told_of)))
     told = replace(confidence, reasons=(*confidence.reasons, *agreeing))
     return doubted(told, tuple(doubts))
 

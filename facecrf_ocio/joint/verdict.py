@@ -6,7 +6,6 @@ sRGB is a statement of its own, `Confidence.differs_from_srgb`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -43,18 +42,6 @@ def doubted(confidence: Confidence, doubts: tuple[str, ...]) -> Confidence:
         verdict=Verdict.WEAK if weak else confidence.verdict,
         doubts=(*confidence.doubts, *doubts),
     )
-
-
-def not_single(found: Iterable[str]) -> tuple[str, ...]:
-    """Doubts that any one curve of a camera made a photo, by what was found."""
-    return tuple(f"perhaps no single curve: {one}" for one in found)
-
-
-def bent_by(adapted: Iterable[str]) -> tuple[str, ...]:
-    """The doubt where cameras bent curves to scenes, by the settings that did; none without."""
-    what = ", ".join(dict.fromkeys(adapted))
-    remedy = "turn it off, or give the photo's raw file beside it"
-    return not_single([f"{what} bent it to the scene; {remedy}"] if what else [])
 
 
 def judge(

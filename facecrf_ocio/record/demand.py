@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from facecrf_ocio.settings import VERDICTS
 from facecrf_ocio.values import Confidence, Estimate, Outcome
+from facecrf_ocio.wording.sentence import ANYWHERE, surer_by
 from facecrf_ocio.wording.trust_words import trust_sentences
 
 
@@ -50,5 +51,13 @@ def demand(estimate: Estimate, least: Demand) -> Estimate:
         Outcome.NOT_CALIBRATED,
         estimate.estimator,
         f"{unmet} ({'; '.join(trust_sentences(estimate.confidence))})",
-        "use a larger, unretouched face, several photos together, or ask for less",
+        f"use {', '.join(_better(estimate))}, or ask for less",
     )
+
+
+def _better(estimate: Estimate) -> tuple[str, ...]:
+    """What to use, where more photos would do; else what lifts the doubts."""
+    ways = surer_by(estimate)
+    if ANYWHERE.together in ways:
+        return ("a larger, unretouched face", "several photos together")
+    return ways

@@ -20,10 +20,11 @@ VERDICTS: Text = (
         "in the shadows. The curve may be sRGB all the same: whether it differs is said apart "
         "from the verdict.",
         "weak": "A first guess. The photo says something, but little, or its cues contradict "
-        "each other, or its file says that no single curve made it. Compare it with sRGB; more "
+        "each other, or its file says that no single curve made it. Compare it with sRGB. More "
         "photos of the same camera together, a raw file beside the JPEG, or a bracket make it "
-        "surer. Where the file has lost its camera's name and a digital camera or a phone took "
-        "the photo, --prior modern does.",
+        "surer; where the line tells a doubt, only what it names after it does. Where the file "
+        "has lost its camera's name and a digital camera or a phone took the photo, --prior "
+        "modern does.",
         "prior only": "Not of this photo: what cameras do on average, or a fixed curve that was "
         "asked for.",
     },

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from facecrf_ocio.values import Estimate, Outcome, Verdict
+from facecrf_ocio.wording.doubts import Remedy, is_bent, lifted_by
 from facecrf_ocio.wording.expectation import Expectation, expectation
 from facecrf_ocio.wording.trust_words import trust_sentences
 
@@ -15,8 +16,9 @@ class Surface:
 
     Attributes
     ----------
-    together, pair, larger
-        More photos of one camera; a raw file beside the JPEG, or a bracket; the original file.
+    together, pair, raw, larger
+        More photos of one camera; a raw file beside the JPEG, or a bracket; the photo's own raw
+        file; the original file.
     fallback
         A curve where the photo gives none.
     apply
@@ -25,6 +27,7 @@ class Surface:
 
     together: str
     pair: str
+    raw: str
     larger: str
     fallback: str
     apply: str = "load its LUT in your host"
@@ -33,6 +36,7 @@ class Surface:
 COMMAND_LINE = Surface(
     "`facecrf calibrate --together` with more photos of this camera",
     "`facecrf pair` with a raw file or a bracket",
+    "`facecrf pair` with the photo's raw file",
     "the original instead of a small copy",
     "--fallback mean",
     "`facecrf linearize`, or its LUT in your host",
@@ -40,6 +44,7 @@ COMMAND_LINE = Surface(
 ARCHIVE = Surface(
     "`facecrf batch --pool camera` with more photos of this camera",
     "`facecrf pair` with a raw file or a bracket",
+    "`facecrf pair` with the photo's raw file",
     "the original instead of a small copy",
     "`facecrf batch --fallback mean`",
     "its LUT in your host, or `facecrf batch --exr`",
@@ -47,16 +52,25 @@ ARCHIVE = Surface(
 PYTHON = Surface(
     "calibrate_together(photos) of this camera",
     "calibrate_pair with a raw file, or calibrate_bracket",
+    "calibrate_pair with the photo's raw file",
     "the original instead of a small copy",
     'fallback="mean"',
 )
 ANYWHERE = Surface(
     "more photos of this camera together",
     "a raw file or a bracket of this camera",
+    "the photo's raw file beside it",
     "the original instead of a small copy",
     "the mean response instead",
 )
 
+# Alike on every surface.
+_WORDS = {
+    Remedy.ORIGINAL: "the picture as the camera wrote it",
+    Remedy.OFF: "photos with that setting off",
+    Remedy.PERSON: "a photo of a person",
+    Remedy.ONE_CAMERA: "photos of one camera alone",
+}
 # What would make a measurement surer; photos of the camera would not.
 _MEASURED_ANEW = {
     "pair": "another pair, with light and dark areas that are not clipped",
@@ -84,8 +98,16 @@ def sentence(estimate: Estimate, surface: Surface = ANYWHERE) -> str:
 
 def surer_by(estimate: Estimate, surface: Surface = ANYWHERE) -> tuple[str, ...]:
     """Return what would make a curve surer, in the words of a surface; the easiest first."""
-    anew = _MEASURED_ANEW.get(estimate.estimator)
-    return (surface.together, surface.pair) if anew is None else (anew,)
+    anew, doubts = _MEASURED_ANEW.get(estimate.estimator), _doubts(estimate)
+    if anew is not None:
+        return (_WORDS[Remedy.OFF] if is_bent(doubts) else anew,)
+    words = {
+        **_WORDS,
+        Remedy.TOGETHER: surface.together,
+        Remedy.PAIR: surface.pair,
+        Remedy.RAW: surface.raw,
+    }
+    return tuple(" and ".join(words[one] for one in way) for way in lifted_by(doubts))
 
 
 def expected(estimate: Estimate) -> str:
@@ -99,8 +121,7 @@ def expected(estimate: Estimate) -> str:
         return ""
     fixed = estimate.outcome is Outcome.FALLBACK
     begin = f"{estimate.reason}; expect" if fixed else _SAID[told.verdict]
-    doubts = () if estimate.confidence is None else estimate.confidence.doubts
-    return "; ".join([f"{begin} {error_words(told)}", srgb_words(told), *doubts])
+    return "; ".join([f"{begin} {error_words(told)}", srgb_words(told), *_doubts(estimate)])
 
 
 def details(estimate: Estimate) -> tuple[str, ...]:
@@ -119,8 +140,12 @@ def remedy(estimate: Estimate, surface: Surface = ANYWHERE) -> str:
 
 def _says_what_to_do(estimate: Estimate) -> bool:
     """Whether a doubt names what is wrong with a measurement, and how it is mended."""
-    doubts = () if estimate.confidence is None else estimate.confidence.doubts
-    return bool(doubts) and estimate.estimator in _MEASURED_ANEW
+    doubts = _doubts(estimate)
+    return bool(doubts) and estimate.estimator in _MEASURED_ANEW and not is_bent(doubts)
+
+
+def _doubts(estimate: Estimate) -> tuple[str, ...]:
+    return () if estimate.confidence is None else estimate.confidence.doubts
 
 
 def error_words(expected: Expectation) -> str:
