@@ -60,6 +60,24 @@ def test_those_that_ship_are_curves_with_proof():
     assert (methods.count("bracket"), methods.count("chart")) == (20, 30)
 
 
+def test_those_that_ship_say_what_bent_the_curve_while_they_were_measured():
+    """It weighs where photos of the chart show it; the others' makers' notes have nothing on."""
+    on = {
+        one.model: (one.style or one.proof.rpartition(", with ")[2], bool(one.style))
+        for one in shipped_cameras()
+        if one.style or ", with " in one.proof
+    }
+    assert on == {
+        "NIKON D3100": ("Active D-Lighting (Auto)", True),
+        "NIKON D3300": ("Active D-Lighting (Auto)", False),
+        "Canon EOS 550D": ("Auto Lighting Optimizer (Standard)", False),
+        "Canon EOS 5D Mark III": ("Auto Lighting Optimizer (Standard)", False),
+        "Canon EOS RP": ("Auto Lighting Optimizer (Standard)", False),
+        "ILCE-6400": ("Dynamic Range Optimizer (Auto)", False),
+        "SLT-A55V": ("Dynamic Range Optimizer (Auto)", False),
+    }
+
+
 def test_a_model_that_ships_is_one_camera_s():
     """Makers wrote one name for many models into the files of the first digital cameras."""
     assert not {"CYBERSHOT", "FDMAVICA"} & {one.model.upper() for one in shipped_cameras()}
