@@ -12,6 +12,7 @@ from face_photos import eight_bit, grace_hopper, linear_light, rendered_heads, s
 from facecrf_ocio.face import landmarks
 from facecrf_ocio.face.blazeface import detect_blazeface
 from facecrf_ocio.face.detect import find_faces
+from facecrf_ocio.face.no_face import lacking_faces
 from facecrf_ocio.face.yunet import detect_yunet
 from facecrf_ocio.settings import Settings
 
@@ -101,6 +102,15 @@ def test_least_width_is_in_pixels_of_the_photo():
     assert (found.faces, found.too_small) == ((), 1)
 
 
+def test_heads_whose_face_is_not_to_be_seen_are_counted_and_told():
+    blurred = cv2.GaussianBlur(grace_hopper(), (0, 0), 15.0)
+    found = find_faces(blurred, SETTINGS)
+    assert (found.faces, found.too_small, found.turned_away) == ((), 0, 1)
+    told = lacking_faces(found, SETTINGS)
+    assert told.reason.startswith("no face found that can be measured: 1 head turned away")
+    assert told.remedy == "use a photo that shows a face from the front"
+
+
 @pytest.mark.parametrize("scale", [4.0, 2.0, 0.5])
 def test_landmarks_scale_with_the_photo(scale):
     photo = grace_hopper()
@@ -153,7 +163,8 @@ NO_FACE = {
 @pytest.mark.parametrize("name", NO_FACE)
 def test_no_face_is_seen_where_there_is_none(name):
     found = find_faces(NO_FACE[name], SETTINGS)
-    assert (found.faces, found.too_small) == ((), 0)
+    assert (found.faces, found.too_small, found.turned_away) == ((), 0, 0)
+    assert lacking_faces(found, SETTINGS).reason == "no face found"
 
 
 def test_threads_share_the_networks():

@@ -52,10 +52,14 @@ class FoundFaces:
     too_small
         How many narrower ones a detector saw. If `faces` is empty, this tells "no face" from "no
         face large enough".
+    turned_away
+        If there is neither, in how many places large enough a detector surely saw a face, and the
+        landmark network none: in profile, covered, bent down or blurred.
     """
 
     faces: tuple[Face, ...]
     too_small: int
+    turned_away: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,11 +96,13 @@ def find_faces(pixels: Pixels, settings: FaceSettings, most: int | None = None) 
         face = None if candidate is None else _fit(pyramid, candidate, _Look((candidate,), None))
         if face is not None:
             return FoundFaces((face,), 0)
+    turned_away = 0
     for look in _looks(pyramid, settings):
         found = _examine(pyramid, look, settings.min_face_width, most)
         if found.faces or found.too_small:
             return found
-    return FoundFaces((), 0)
+        turned_away = max(turned_away, found.turned_away)
+    return FoundFaces((), 0, turned_away)
 
 
 def _examine(pyramid: Pyramid, look: _Look, min_width: float, most: int | None) -> FoundFaces:
@@ -109,7 +115,9 @@ def _examine(pyramid: Pyramid, look: _Look, min_width: float, most: int | None) 
     # What is too small needs no landmarks, but must not end the search if it is no face.
     if not faces and small and _fit(pyramid, small[0], look) is None:
         small = []
-    return FoundFaces(faces, len(small))
+    if faces or small:
+        return FoundFaces(faces, len(small))
+    return FoundFaces((), 0, sum(candidate.score >= _RETRY_SCORE for candidate in large))
 
 
 def _fit(pyramid: Pyramid, candidate: Candidate, look: _Look) -> Face | None:

@@ -15,4 +15,10 @@ def lacking_faces(found: FoundFaces, settings: FaceSettings) -> Lacking:
             f"{counted(found.too_small, 'face')} found, narrower than {settings.min_face_width} px",
             "use a larger version of the photo",
         )
+    if found.turned_away:
+        seen = counted(found.turned_away, "head")
+        return Lacking(
+            f"no face found that can be measured: {seen} turned away, covered or blurred",
+            "use a photo that shows a face from the front",
+        )
     return Lacking("no face found", "use a photo with a face")
