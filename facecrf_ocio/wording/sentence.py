@@ -35,7 +35,7 @@ class Surface:
 
 COMMAND_LINE = Surface(
     "`facecrf calibrate --together` with more photos of this camera",
-    "`facecrf pair` with a raw file or a bracket",
+    "`facecrf pair` with a raw file, or `facecrf bracket`",
     "`facecrf pair` with the photo's raw file",
     "the original instead of a small copy",
     "--fallback mean",
@@ -43,7 +43,7 @@ COMMAND_LINE = Surface(
 )
 ARCHIVE = Surface(
     "`facecrf batch --pool camera` with more photos of this camera",
-    "`facecrf pair` with a raw file or a bracket",
+    "`facecrf pair` with a raw file, or `facecrf bracket`",
     "`facecrf pair` with the photo's raw file",
     "the original instead of a small copy",
     "`facecrf batch --fallback mean`",
