@@ -5,12 +5,13 @@ curve, lips are redder than skin, and skin varies less in red than in blue. Wher
 way round, no camera's curve made the picture.
 
 What counts how much was found by logistic regressions on portraits of unknown cameras and on
-rendered heads, and on both inverted and swapped (docs/evidence).
+rendered heads, and on both inverted and swapped (`training/wrong_pictures.py`, docs/evidence).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -33,23 +34,23 @@ _SQUASHED = 12.0  # [code of 255] of difference, from which on more of it hardly
 _DARK = 8.0  # [code of 255] below which a ratio of channels is rounding
 # Of lids, the tenth and the ninth tenth of eyes, nostrils, brows and lips against skin; and how
 # blue less green, and the log of red over blue, rise with brightness on skin.
-_BRIGHT = np.array([2.47, 1.92, 1.1, 3.56, 3.18, 0.54, 1.89, -1.35])
+BRIGHT = np.array([2.47, 1.92, 1.1, 3.56, 3.18, 0.54, 1.89, -1.35])
 # Above it brightness is inverted: one of 749 portraits is, no render, and 1 to 2 % of inverted
 # portraits are below.
-_INVERTED = 0.3
+INVERTED = 0.3
 
 # Of skin its log ratios of red and of blue to green; those less the ratios of eyes, lips, brows and
 # picture; log ratios of variances of red and of blue to green; and those of the variances of red
 # over green, and of red over blue, to that of blue over green.
-_COLORED = np.array(
+COLORED = np.array(
     [*(6.21, -3.94, 1.59, -2.64, -10.52, -1.58, 4.91, 0.12, 1.46, -1.91), -3.86, 1.72, -2.73, 7.86]
 )
 # Log ratio of each from which on more of it hardly counts more.
 _HARDLY = np.array([0.6, 0.6, *8 * [0.3], 0.5, 0.5, 1.0, 1.0])
 _COLORLESS = 3e-4  # [log^2] variance that rounding and JPEG leave: two per cent of a code value
 # By which another order must fit better; by 2, one in seven photos of a woman in gray studio light.
-_SWAPPED = 3.0
-_ORDERS = {  # of channels, all but red, green and blue
+SWAPPED = 3.0
+ORDERS = {  # of channels, all but red, green and blue
     (2, 1, 0): "red and blue exchanged",
     (1, 0, 2): "red and green exchanged",
     (0, 2, 1): "green and blue exchanged",
@@ -58,6 +59,26 @@ _ORDERS = {  # of channels, all but red, green and blue
 }
 _MARGIN = np.ones((5, 5), np.uint8)  # [px] two around, where skin blends with what it borders
 _FEWEST_SKIN = 200  # [px] within that margin, or skin is taken whole
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FaceColors:
+    """Logs of a face's colors, of which the order of channels is told.
+
+    Attributes
+    ----------
+    middle
+        (5, 3) of skin, eyes, lips, brows and the whole picture.
+    spread
+        (3, 3) covariance of skin.
+    """
+
+    middle: Float
+    spread: Float
+
+    def in_order(self, order: Sequence[int]) -> FaceColors:
+        """The same with channels in another order."""
+        return FaceColors(self.middle[:, order], self.spread[np.ix_(order, order)])
 
 
 def odd_parts(view: FaceView, pixels: Pixels) -> tuple[str, ...]:
@@ -70,25 +91,22 @@ def odd_parts(view: FaceView, pixels: Pixels) -> tuple[str, ...]:
     pixels
         (H, W, 3) code values of the whole picture in [0, 1], or of 8 bits.
     """
-    parts = [
-        view.geometry.bare_skin,
-        *(_within(view, part) for part in (_EYES, _LIPS, _BROWS)),
-    ]
-    if min(np.count_nonzero(part) for part in parts) < _FEWEST:
+    colors = face_colors(view, pixels)
+    if colors is None:
         return ()
     found = []
-    if inversion(view) > _INVERTED:
+    if BRIGHT @ brightness_told(view) > INVERTED:
         found.append(
             "eyes, nostrils and brows are bright beside the skin, as with brightness inverted"
         )
-    order = _other_order(view, pixels, parts)
+    order = _other_order(colors)
     if order:
         found.append(f"the face's colors are a face's with {order}: channels seem swapped")
     return tuple(found)
 
 
-def inversion(view: FaceView) -> float:
-    """How much speaks for inverted brightness, in log odds but for a constant."""
+def brightness_told(view: FaceView) -> Float:
+    """(8,) what tells inverted brightness; weighed by `BRIGHT`, log odds but for a constant."""
     codes = 255.0 * view.encoded
     luma = np.asarray(cv2.cvtColor(codes, cv2.COLOR_RGB2GRAY), np.float64)
     lids, eyes, nostrils, brows, lips = (
@@ -101,8 +119,7 @@ def inversion(view: FaceView) -> float:
         _slope(bright, blue - green),
         _slope(np.log(bright + _DARK), np.log((red + 1.0) / (blue + 1.0))),
     )
-    told = [*(above / (np.abs(above) + _SQUASHED)), *np.clip(slopes, -1.0, 1.0)]
-    return float(_BRIGHT @ told)
+    return np.array([*(above / (np.abs(above) + _SQUASHED)), *np.clip(slopes, -1.0, 1.0)])
 
 
 def _above_skin(view: FaceView, luma: Float, parts: Sequence[Sequence[int]]) -> Float:
@@ -128,30 +145,36 @@ def _slope(x: Float, y: Float) -> float:
     return float(apart @ y) / square if square > 0.0 else 0.0
 
 
-def _other_order(view: FaceView, pixels: Pixels, parts: Sequence[Bool]) -> str:
-    """The order of channels in which the face's colors are a face's, empty if they are as given."""
+def face_colors(view: FaceView, pixels: Pixels) -> FaceColors | None:
+    """Of a face at working size and its whole picture; None where it shows too little of a part."""
+    bare = view.geometry.bare_skin
+    parts = [bare, *(_within(view, part) for part in (_EYES, _LIPS, _BROWS))]
+    if min(np.count_nonzero(part) for part in parts) < _FEWEST:
+        return None
     logs = _logs(view.encoded)
     step = max(1, max(pixels.shape[:2]) // _SAMPLES)
     picture = _logs(code_values(packed(pixels[::step, ::step]), 8))
     middle = np.stack(
         [*(np.median(logs[part], axis=0) for part in parts), picture.mean(axis=(0, 1))]
     )
-    inner = cv2.erode(parts[0].astype(np.uint8), _MARGIN) > 0
-    skin = logs[inner if np.count_nonzero(inner) >= _FEWEST_SKIN else parts[0]]
-    spread = np.cov(skin.T.astype(np.float64))
-    scores = {order: _likeness(middle[:, order], spread[np.ix_(order, order)]) for order in _ORDERS}
+    inner = cv2.erode(bare.astype(np.uint8), _MARGIN) > 0
+    skin = logs[inner if np.count_nonzero(inner) >= _FEWEST_SKIN else bare]
+    return FaceColors(middle, np.cov(skin.T.astype(np.float64)))
+
+
+def _other_order(colors: FaceColors) -> str:
+    """The order of channels in which colors are a face's, empty if they are as given."""
+    scores = {order: COLORED @ colors_told(colors.in_order(order)) for order in ORDERS}
     best = max(scores, key=lambda order: scores[order])
-    return _ORDERS[best] if scores[best] > _likeness(middle, spread) + _SWAPPED else ""
+    return ORDERS[best] if scores[best] > COLORED @ colors_told(colors) + SWAPPED else ""
 
 
-def _likeness(middle: Float, spread: Float) -> float:
-    """How like a face's colors are, in log odds beside another order.
-
-    `middle` (5, 3) are logs of skin, eyes, lips, brows and picture, `spread` (3, 3) skin's.
-    """
-    ratios = (middle - middle[:, 1:2])[:, [0, 2]]
-    variance = np.log(np.diag(spread) + 3.0 * _COLORLESS)
-    apart = np.add.outer(np.diag(spread), np.diag(spread)) - 2.0 * spread
+def colors_told(colors: FaceColors) -> Float:
+    """(14,) what tells a face's colors; weighed by `COLORED`, log odds beside another order."""
+    ratios = (colors.middle - colors.middle[:, 1:2])[:, [0, 2]]
+    own = np.diag(colors.spread)
+    variance = np.log(own + 3.0 * _COLORLESS)
+    apart = np.add.outer(own, own) - 2.0 * colors.spread
     red_green, red_blue, blue_green = np.log(apart[[0, 0, 2], [1, 2, 1]] + _COLORLESS)
     told = np.array(
         [
@@ -161,7 +184,7 @@ def _likeness(middle: Float, spread: Float) -> float:
             *(red_green - blue_green, red_blue - blue_green),
         ]
     )
-    return float(_COLORED @ (told / (np.abs(told) + _HARDLY)))
+    return np.asarray(told / (np.abs(told) + _HARDLY))
 
 
 def _logs(encoded: Float32) -> Float32:

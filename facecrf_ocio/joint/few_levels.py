@@ -31,8 +31,9 @@ _FINE, _SMOOTH = 1, 5
 _GRAIN_MEDIAN, _GRAIN_FINE, _GRAIN_SMOOTH = 9, 2, 8
 # Of that roughness, log codes of grain, and log pixels of the face's side; and what they must
 # exceed. Grain hides levels, and of few pixels a histogram is rough by chance: found by a logistic
-# regression on posters, on what they were made of, and on that with the same grain (docs/evidence).
-_GRAINY, _MOST_GRAINY = np.array([46.52, 4.39, 1.39]), 20.49
+# regression on posters, on what they were made of, and on that with the same grain
+# (`training/wrong_pictures.py`, docs/evidence).
+GRAINY, MOST_GRAINY = np.array([46.52, 4.39, 1.39]), 20.49
 _NO_GRAIN = 0.3  # [code] of a picture that rounding leaves none in
 _GRAIN_SIDE = 320  # [px] as large as most faces that this was found on
 _CLIPPED = (8, 247)  # [code of 255] beyond these, much of a photo is at one code
@@ -51,7 +52,7 @@ def few_levels(pixels: Pixels, box_xy: Float, settings: JointSettings) -> Lackin
     box_xy
         (4,) x, y, width, height [px] of the face.
     """
-    codes = eight_bit(packed(inside_face(pixels, box_xy)))
+    codes = face_codes(pixels, box_xy)
     found = roughness(codes)
     if found > settings.most_roughness:
         return Lacking(f"the face's {_REASON}", ORIGINAL)
@@ -71,13 +72,17 @@ def roughness(codes: npt.NDArray[np.uint8]) -> float:
 
 def has_grainy_levels(codes: npt.NDArray[np.uint8]) -> bool:
     """Whether (h, w, 3) codes keep to few levels that grain was laid over."""
+    return bool(GRAINY @ grain_told(codes) > MOST_GRAINY)
+
+
+def grain_told(codes: npt.NDArray[np.uint8]) -> Float:
+    """(3,) what tells levels under grain in (h, w, 3) codes: roughness, grain and size."""
     step = -(-max(codes.shape[:2]) // _GRAIN_SIDE)
     codes = packed(codes[::step, ::step])
     luma: Any = cv2.cvtColor(codes, cv2.COLOR_RGB2GRAY)
     grain = float(np.median(cv2.absdiff(luma, cv2.medianBlur(luma, _MEDIAN))))
     wide = _of_channels(codes, _GRAIN_MEDIAN, _GRAIN_FINE, _GRAIN_SMOOTH)
-    told = [wide, np.log(grain + _NO_GRAIN), np.log(max(codes.shape[:2]))]
-    return bool(_GRAINY @ told > _MOST_GRAINY)
+    return np.array([wide, np.log(grain + _NO_GRAIN), np.log(max(codes.shape[:2]))])
 
 
 def _of_channels(codes: npt.NDArray[np.uint8], median: int, fine: int, smooth: int) -> float:
@@ -109,6 +114,11 @@ def _blurred(counts: Float, deviation: int) -> Float:
     inner = counts[1:-1]  # reflected at both ends; NumPy's way takes longer than the rest
     ends = inner[reach - 1 :: -1], inner[: -reach - 1 : -1]
     return np.convolve(np.concatenate([ends[0], counts, ends[1]]), bell, "valid")
+
+
+def face_codes(pixels: Pixels, box_xy: Float) -> npt.NDArray[np.uint8]:
+    """(h, w, 3) codes of 8 bits in the middle of a face, of (H, W, 3) and its box (4,) [px]."""
+    return eight_bit(packed(inside_face(pixels, box_xy)))
 
 
 def inside_face(pixels: Pixels, box_xy: Float) -> Pixels:

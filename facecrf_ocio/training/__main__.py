@@ -33,6 +33,7 @@ from facecrf_ocio.training.plan import (
     PARTS,
     PORTRAITS_SEED,
     SEED,
+    WRONG_SEED,
     Data,
     held_out_names,
     left_out,
@@ -135,6 +136,31 @@ def charts_command(folder: Path, without: tuple[str, ...], output: Path) -> None
     if not found:
         raise SettingsError(f"{folder}: no photo in a MAKER/MODEL gives a reliable curve")
     store_charts(found, output)
+
+
+@main.command("wrong-pictures")
+@click.option("--data", type=IN_FOLDER, help="As of `simulate`: learn from rendered heads, too.")
+@click.argument("folder", type=IN_FOLDER)
+@click.option("--held-out", type=IN_FOLDER, help="Other portraits, to count errors on.")
+@click.option("--seed", default=WRONG_SEED, show_default=True)
+def wrong_pictures_command(
+    folder: Path, data: Path | None, held_out: Path | None, seed: int
+) -> None:
+    """Learn from portraits below FOLDER what tells inverted, swapped and grainy few-level ones.
+
+    Prints the weights and limits as they stand in `joint/face_parts.py` and `joint/few_levels.py`.
+    """
+    from facecrf_ocio.training import count_wrong, wrong_pictures  # noqa: PLC0415
+
+    portraits = wrong_pictures.told_by_folder(folder, seed)
+    heads = [] if data is None else list(wrong_pictures.told_by_heads(Data(data)))
+    found = wrong_pictures.learn(portraits, heads, seed)
+    learned = counted(len(portraits), "portrait")
+    click.echo(f"{learned}, {counted(len(heads), 'photo')} of rendered heads:\n{found}")
+    if held_out is not None:
+        others = wrong_pictures.told_by_folder(held_out, seed + 1)
+        click.echo(f"{counted(len(others), 'other portrait')}, by these and by those in the code:")
+        click.echo(count_wrong.table(others, (found, wrong_pictures.SHIPPED), seed + 1))
 
 
 @main.command("band")

@@ -25,6 +25,7 @@ MEMBERS = 2  # networks a cue, which are averaged; a third takes 1 % of the erro
 AGREEMENT = 0.5  # weight of how far estimates of two versions of a portrait are apart
 LIKELY_TRUTHS = 0.5  # weight of what estimates of portraits are worth for truths like cameras'
 PORTRAITS_SEED = 4  # any; of the known curves that portraits are sent through
+WRONG_SEED = 1  # any; of what is made of portraits that are made wrong
 HELD_OUT_MEMBERS = 1  # the bench needs twenty, each fitted anew
 BAND_PHOTOS = 600  # that the band is measured with: 50 of each head `dev_*`
 BAND_SEED = 2  # any but that of training

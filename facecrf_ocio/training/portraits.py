@@ -74,9 +74,7 @@ def observe_portraits(folder: Path, seed: int, processes: int) -> Versions:
     SettingsError
         If there are no photos, or none shows a face in all of its versions.
     """
-    paths = sorted(p for p in folder.rglob("*") if p.suffix.lower() in _SUFFIXES)
-    if not paths:
-        raise SettingsError(f"{folder}: holds no JPEG or PNG; give a folder of portraits")
+    paths = portrait_paths(folder)
     look = partial(_observed, seed)
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
         found = [one for one in pool.map(look, enumerate(paths), chunksize=4) if one is not None]
@@ -84,6 +82,20 @@ def observe_portraits(folder: Path, seed: int, processes: int) -> Versions:
         shown = f"none of {counted(len(paths), 'photo')} shows a face in all versions"
         raise SettingsError(f"{folder}: {shown}; give photos of faces")
     return _together(found)
+
+
+def portrait_paths(folder: Path) -> list[Path]:
+    """Photos below a folder, by name.
+
+    Raises
+    ------
+    SettingsError
+        If there are none.
+    """
+    paths = sorted(p for p in folder.rglob("*") if p.suffix.lower() in _SUFFIXES)
+    if not paths:
+        raise SettingsError(f"{folder}: holds no JPEG or PNG; give a folder of portraits")
+    return paths
 
 
 def write_versions(path: Path, versions: Versions) -> None:
