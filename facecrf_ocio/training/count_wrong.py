@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from facecrf_ocio.benchmark.laid_out import markdown_table
-from facecrf_ocio.joint.face_parts import ORDERS, SWAPPED
+from facecrf_ocio.joint.face_parts import ORDERS, SWAPPED, FaceColors
 from facecrf_ocio.training.made_wrong import LEVELS, LIGHTS
 from facecrf_ocio.training.wrong_pictures import Told, Weights, in_orders
 from facecrf_ocio.values import Float
@@ -33,7 +33,7 @@ def count(portraits: Sequence[Told], weights: Weights, seed: int) -> Counts:
     counts = {
         "not inverted": _above(upright @ weights.bright, weights.inverted),
         "inverted": _above(wrong @ weights.bright, weights.inverted),
-        **_of_orders(portraits, weights, seed),
+        **_of_orders([o.colors for o in portraits if o.colors is not None], weights, seed),
     }
     rows: dict[str, list[Float]] = {}
     for one in portraits:
@@ -49,12 +49,11 @@ def count(portraits: Sequence[Told], weights: Weights, seed: int) -> Counts:
     }
 
 
-def _of_orders(portraits: Sequence[Told], weights: Weights, seed: int) -> Counts:
+def _of_orders(faces: Sequence[FaceColors], weights: Weights, seed: int) -> Counts:
     generator = np.random.default_rng(seed)
     counts: Counts = {}
     for name, light in LIGHTS.items():
-        faces = [light.on(one.colors, generator) for one in portraits]
-        scores = np.array([in_orders(face) for face in faces]) @ weights.colored
+        scores = np.array([in_orders(light.on(one, generator)) for one in faces]) @ weights.colored
         counts[f"{name}, not swapped"] = _above(_better(scores), SWAPPED)
         for order, what in enumerate(ORDERS.values(), start=1):
             # The order that was made is the given one, and the true one among the others.

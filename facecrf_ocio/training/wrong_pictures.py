@@ -7,7 +7,7 @@ what the estimator itself measures in them.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -45,6 +45,7 @@ from facecrf_ocio.values import Face, Float, Photo
 RENDERED = 130
 """Photos of rendered heads: as many as tell what light from one side and very dark skin do."""
 _SEED = 1  # any; of heads, responses and conditions
+_SOLVED = "stacks"  # as `plan.Data` names them
 _LONGEST = 1600  # [px] of a side; larger portraits cost time alone
 _LEAST_COLOR = 1.0  # [code] between channels; less is what a JPEG makes of gray
 _RIDGE, _RIDGE_OF_ORDERS = 1.0, 3.0  # of a scaled weight, chosen by judgment
@@ -65,14 +66,14 @@ class Told:
     Attributes
     ----------
     colors
-        Of the face.
+        Of the face; none through a curve from exposure stacks, whose red and blue are far off.
     upright, inverted
         (8,) and (K, 8) `face_parts.brightness_told`; K up to 2, as faces are still seen.
     ordinary, posters
         (3,) `few_levels.grain_told`, each with what was made; none of a rendered head.
     """
 
-    colors: FaceColors
+    colors: FaceColors | None
     upright: Float
     inverted: Float
     ordinary: tuple[tuple[str, Float], ...] = ()
@@ -142,6 +143,7 @@ def told_by_heads(data: Data, count: int = RENDERED) -> Iterator[Told]:
     images = tuple(LinearImage(path.name, path, "") for path in data.heads())
     if not images:
         raise SettingsError(f"{data.root}: holds no faces/rendered/img/train_*_noisy.exr")
+    names = ("dorf", *data.digital)
     files = [read_responses(path) for path in (data.dorf, *data.digital.values())]
     cells = choose_cells("day")
     benches = [
@@ -156,7 +158,7 @@ def told_by_heads(data: Data, count: int = RENDERED) -> Iterator[Told]:
             eight_bit(photo.pixels), np.random.default_rng([_SEED, number]), with_levels=False
         )
         if told is not None:
-            yield told
+            yield replace(told, colors=None) if names[file] == _SOLVED else told
 
 
 def told_by(codes: Codes, generator: np.random.Generator, *, with_levels: bool) -> Told | None:
@@ -178,6 +180,7 @@ def told_by(codes: Codes, generator: np.random.Generator, *, with_levels: bool) 
 def learn(portraits: Sequence[Told], heads: Sequence[Told], seed: int) -> Weights:
     """Fit all weights and limits."""
     both = [*portraits, *heads]
+    faces = [one.colors for one in both if one.colors is not None]
     upright = np.array([one.upright for one in both])
     wrong = np.vstack([one.inverted for one in both])
     if not len(wrong):
@@ -187,7 +190,7 @@ def learn(portraits: Sequence[Told], heads: Sequence[Told], seed: int) -> Weight
     return Weights(
         np.round(bright, 2),
         round(_SURE - constant, 1),
-        np.round(first_of(_orders(both, seed), _RIDGE_OF_ORDERS), 2),
+        np.round(first_of(_orders(faces, seed), _RIDGE_OF_ORDERS), 2),
         np.round(grainy, 2),
         round(most, 2),
     )
@@ -199,12 +202,10 @@ def in_orders(colors: FaceColors) -> Float:
     return np.array([face_parts.colors_told(colors.in_order(order)) for order in orders])
 
 
-def _orders(both: Sequence[Told], seed: int) -> Float:
+def _orders(faces: Sequence[FaceColors], seed: int) -> Float:
     generator = np.random.default_rng(seed)
     lights = [LIGHTS[AS_IT_IS], *LIGHTS.values()]  # twice as they are
-    return np.array(
-        [in_orders(light.on(one.colors, generator)) for light in lights for one in both]
-    )
+    return np.array([in_orders(light.on(one, generator)) for light in lights for one in faces])
 
 
 def _of_grain(portraits: Sequence[Told]) -> tuple[Float, float]:
