@@ -22,7 +22,7 @@ from facecrf_ocio.training.made_wrong import (
     AS_IT_IS,
     LEVELS,
     LIGHTS,
-    Light,
+    FaceLight,
     inverted,
     ordinary,
     posters,
@@ -87,7 +87,7 @@ def test_a_light_treats_all_channels_alike() -> None:
     plain = LIGHTS[AS_IT_IS].on(one, drawn())
     np.testing.assert_allclose(plain.middle, one.middle)
     np.testing.assert_allclose(plain.spread, one.spread)
-    gray = Light(saturation=(0.5, 0.9), evened=(1.0, 1.0))
+    gray = FaceLight(saturation=(0.5, 0.9), evened=(1.0, 1.0))
     for order in ORDERS:
         lit, swapped = gray.on(one, drawn()).in_order(order), gray.on(one.in_order(order), drawn())
         np.testing.assert_allclose(lit.middle, swapped.middle)

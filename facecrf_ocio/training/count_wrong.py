@@ -9,14 +9,14 @@ import numpy as np
 from facecrf_ocio.benchmark.laid_out import markdown_table
 from facecrf_ocio.joint.face_parts import ORDERS, SWAPPED, FaceColors
 from facecrf_ocio.training.made_wrong import LEVELS, LIGHTS
-from facecrf_ocio.training.wrong_pictures import Told, Weights, in_orders
+from facecrf_ocio.training.wrong_pictures import PartWeights, ToldByFace, in_orders
 from facecrf_ocio.values import Float
 
 Counts = dict[str, tuple[int, int]]
 """By what was made: how many were told, of how many."""
 
 
-def table(portraits: Sequence[Told], of: Sequence[Weights], seed: int) -> str:
+def table(portraits: Sequence[ToldByFace], of: Sequence[PartWeights], seed: int) -> str:
     """What is told by each of some weights."""
     counts = [count(portraits, weights, seed) for weights in of]
     lines = [
@@ -26,7 +26,7 @@ def table(portraits: Sequence[Told], of: Sequence[Weights], seed: int) -> str:
     return markdown_table(["", "made", *(f"told {n}" for n in range(1, 1 + len(of)))], lines)
 
 
-def count(portraits: Sequence[Told], weights: Weights, seed: int) -> Counts:
+def count(portraits: Sequence[ToldByFace], weights: PartWeights, seed: int) -> Counts:
     """What is told by weights, each rule by itself."""
     upright = np.array([one.upright for one in portraits])
     wrong = np.vstack([one.inverted for one in portraits])
@@ -49,7 +49,7 @@ def count(portraits: Sequence[Told], weights: Weights, seed: int) -> Counts:
     }
 
 
-def _of_orders(faces: Sequence[FaceColors], weights: Weights, seed: int) -> Counts:
+def _of_orders(faces: Sequence[FaceColors], weights: PartWeights, seed: int) -> Counts:
     generator = np.random.default_rng(seed)
     counts: Counts = {}
     for name, light in LIGHTS.items():

@@ -34,7 +34,7 @@ _CONTRAST = (1.2, 1.7)  # factor about the middle
 
 
 @dataclass(frozen=True, slots=True)
-class Light:
+class FaceLight:
     """What light and camera do to logs of a face's colors; one value of each range is drawn.
 
     Attributes
@@ -63,11 +63,11 @@ class Light:
 
 # By judgment: half of what is learned from has its color.
 LIGHTS = {
-    AS_IT_IS: Light(),
-    "of a cast": Light(cast=0.1),
-    "of less color": Light(saturation=(0.3, 0.6), cast=0.03),
-    "in gray light": Light(saturation=(0.6, 1.0), evened=(0.7, 1.0), cast=0.04),
-    "in half gray light": Light(evened=(0.3, 0.6), cast=0.03),
+    AS_IT_IS: FaceLight(),
+    "of a cast": FaceLight(cast=0.1),
+    "of less color": FaceLight(saturation=(0.3, 0.6), cast=0.03),
+    "in gray light": FaceLight(saturation=(0.6, 1.0), evened=(0.7, 1.0), cast=0.04),
+    "in half gray light": FaceLight(evened=(0.3, 0.6), cast=0.03),
 }
 """Each a light in which faces are photographed."""
 

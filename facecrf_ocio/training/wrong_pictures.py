@@ -60,7 +60,7 @@ _BELOW = (
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Told:
+class ToldByFace:
     """What the estimator measures in one portrait, and in what was made of it.
 
     Attributes
@@ -81,7 +81,7 @@ class Told:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Weights:
+class PartWeights:
     """As `face_parts` and `few_levels` have them, rounded as there."""
 
     bright: Float
@@ -99,7 +99,7 @@ class Weights:
         )
 
 
-SHIPPED = Weights(
+SHIPPED = PartWeights(
     face_parts.BRIGHT,
     face_parts.INVERTED,
     face_parts.COLORED,
@@ -109,7 +109,7 @@ SHIPPED = Weights(
 """Those in the code."""
 
 
-def told_by_portraits(paths: Sequence[Path], seed: int) -> Iterator[Told]:
+def told_by_portraits(paths: Sequence[Path], seed: int) -> Iterator[ToldByFace]:
     """Of each portrait in color whose face shows all parts; others are passed over."""
     for number, path in enumerate(paths):
         try:
@@ -122,7 +122,7 @@ def told_by_portraits(paths: Sequence[Path], seed: int) -> Iterator[Told]:
                 yield told
 
 
-def told_by_folder(folder: Path, seed: int) -> list[Told]:
+def told_by_folder(folder: Path, seed: int) -> list[ToldByFace]:
     """Of the portraits below a folder.
 
     Raises
@@ -138,7 +138,7 @@ def told_by_folder(folder: Path, seed: int) -> list[Told]:
     return found
 
 
-def told_by_heads(data: Data, count: int = RENDERED) -> Iterator[Told]:
+def told_by_heads(data: Data, count: int = RENDERED) -> Iterator[ToldByFace]:
     """Of rendered heads, by the camera of a day through responses of all files."""
     images = tuple(LinearImage(path.name, path, "") for path in data.heads())
     if not images:
@@ -161,7 +161,9 @@ def told_by_heads(data: Data, count: int = RENDERED) -> Iterator[Told]:
             yield replace(told, colors=None) if names[file] == _SOLVED else told
 
 
-def told_by(codes: Codes, generator: np.random.Generator, *, with_levels: bool) -> Told | None:
+def told_by(
+    codes: Codes, generator: np.random.Generator, *, with_levels: bool
+) -> ToldByFace | None:
     """Of (H, W, 3) codes; None without a face that shows all parts."""
     seen = _seen(codes)
     if seen is None:
@@ -171,13 +173,13 @@ def told_by(codes: Codes, generator: np.random.Generator, *, with_levels: bool) 
     bright = [face_parts.brightness_told(one[1]) for one in wrong if one is not None]
     of_brightness = face_parts.brightness_told(view), np.reshape(bright, (-1, 8))
     if not with_levels:
-        return Told(colors, *of_brightness)
+        return ToldByFace(colors, *of_brightness)
     plain = tuple((kind, _grain(made, face)) for kind, made in ordinary(codes, generator))
     few = tuple((levels, _grain(made, face)) for levels, made in posters(codes, generator))
-    return Told(colors, *of_brightness, plain, few)
+    return ToldByFace(colors, *of_brightness, plain, few)
 
 
-def learn(portraits: Sequence[Told], heads: Sequence[Told], seed: int) -> Weights:
+def learn(portraits: Sequence[ToldByFace], heads: Sequence[ToldByFace], seed: int) -> PartWeights:
     """Fit all weights and limits."""
     both = [*portraits, *heads]
     faces = [one.colors for one in both if one.colors is not None]
@@ -187,7 +189,7 @@ def learn(portraits: Sequence[Told], heads: Sequence[Told], seed: int) -> Weight
         raise SettingsError("no face is found once it is inverted; give more portraits")
     bright, constant = two_classes(upright, wrong, _RIDGE, balanced=True)
     grainy, most = _of_grain(portraits)
-    return Weights(
+    return PartWeights(
         np.round(bright, 2),
         round(_SURE - constant, 1),
         np.round(first_of(_orders(faces, seed), _RIDGE_OF_ORDERS), 2),
@@ -208,7 +210,7 @@ def _orders(faces: Sequence[FaceColors], seed: int) -> Float:
     return np.array([in_orders(light.on(one, generator)) for light in lights for one in faces])
 
 
-def _of_grain(portraits: Sequence[Told]) -> tuple[Float, float]:
+def _of_grain(portraits: Sequence[ToldByFace]) -> tuple[Float, float]:
     kinds = [kind for one in portraits for kind, _ in one.ordinary]
     plain = np.array([told for one in portraits for _, told in one.ordinary])
     few = np.array([told for one in portraits for _, told in one.posters])
