@@ -399,6 +399,24 @@ def test_channels_tell_their_order_in_gray_light_too(order: tuple) -> None:
     assert ("channels seem swapped" in said) == (order != (0, 1, 2))
 
 
+def with_a_mask(photo: np.ndarray, color: tuple) -> np.ndarray:
+    """A cloth from her nose down."""
+    (face,) = find_faces(photo, FaceSettings()).faces
+    points = face.landmarks_xyz[:, :2]
+    covered = np.zeros(photo.shape[:2], np.uint8)
+    below = points[points[:, 1] > points[4, 1]]  # MediaPipe's tip of the nose
+    cv2.fillConvexPoly(covered, cv2.convexHull(np.rint(below).astype(np.int32)), 1)
+    folds = np.exp(0.15 * np.sin(np.arange(len(photo)) / 6.0))[:, None, None]
+    cloth = np.float32(color) / 255 * folds + np.random.default_rng(0).normal(0, 0.01, photo.shape)
+    return np.clip(np.where(covered[..., None] > 0, cloth, photo), 0, 1).astype(np.float32)
+
+
+@pytest.mark.parametrize("color", [(150, 195, 225), (60, 110, 50), (40, 60, 130)])
+def test_a_covered_mouth_tells_no_order_of_channels(color: tuple) -> None:
+    masked = with_a_mask(grace_hopper(), color)
+    assert "channels seem swapped" not in gather(Photo(masked)).doubt
+
+
 @pytest.mark.parametrize("gains", [(1, 1, 1), (1.2, 1, 0.7), (0.8, 1, 1.25), (1.1, 0.85, 1.1)])
 @pytest.mark.parametrize("exposure", [0.3, 1.0, 1.6])
 def test_a_face_in_any_light_is_as_it_should_be(gains: tuple, exposure: float) -> None:

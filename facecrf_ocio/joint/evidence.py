@@ -199,7 +199,7 @@ def _observed(photo: Photo, settings: JointSettings, other: OtherThread) -> Obse
     ask_levels = other.begin(partial(few_levels, photo.pixels, face.box_xy, settings))
     of_face = face_statistics(view, settings)
     doubts = list(filter(None, [strange_skin(photo.pixels, face.box_xy)]))
-    doubts += odd_parts(view, photo.pixels)
+    doubts += odd_parts(view, photo.pixels, settings)
     doubts += [NOBODYS] if is_nobodys(photo.pixels, face) else []
     for found_out in (ask_levels(), ask_tone()):
         if isinstance(found_out, Lacking):

@@ -17,8 +17,10 @@ import cv2
 import numpy as np
 
 from facecrf_ocio.face import regions
+from facecrf_ocio.face.skin_mask import MIN_SATURATION, find_skin
 from facecrf_ocio.face.view import FaceView
 from facecrf_ocio.photo.raster.pixels import Float32, Pixels, code_values, packed
+from facecrf_ocio.settings import FaceSettings
 from facecrf_ocio.values import Bool, Float
 
 _EYES = (regions.RIGHT_EYE, regions.LEFT_EYE)
@@ -58,6 +60,10 @@ ORDERS = {  # of channels, all but red, green and blue
     (1, 2, 0): "each channel in another's place",
     (2, 0, 1): "each channel in another's place",
 }
+# Of lips or of skin around them, the least share of the hue of skin above. Beside most beards skin
+# has it, beside the others lips; what covers a mouth covers both.
+_SAME_HUE = 0.4
+_HUE_TELLS = 0.2  # saturation of skin below which, in gray light, its hue is chance
 _MARGIN = np.ones((5, 5), np.uint8)  # [px] two around, where skin blends with what it borders
 _FEWEST_SKIN = 200  # [px] within that margin, or skin is taken whole
 
@@ -82,7 +88,7 @@ class FaceColors:
         return FaceColors(self.middle[:, order], self.spread[np.ix_(order, order)])
 
 
-def odd_parts(view: FaceView, pixels: Pixels) -> tuple[str, ...]:
+def odd_parts(view: FaceView, pixels: Pixels, settings: FaceSettings) -> tuple[str, ...]:
     """Why a face's parts are not as a camera sees them, in clauses; none where they may be.
 
     Parameters
@@ -91,6 +97,8 @@ def odd_parts(view: FaceView, pixels: Pixels) -> tuple[str, ...]:
         The face at working size.
     pixels
         (H, W, 3) code values of the whole picture in [0, 1], or of 8 bits.
+    settings
+        By which skin is of one hue.
     """
     colors = face_colors(view, pixels)
     if colors is None:
@@ -101,7 +109,7 @@ def odd_parts(view: FaceView, pixels: Pixels) -> tuple[str, ...]:
             "eyes, nostrils and brows are bright beside the skin, as with brightness inverted"
         )
     order = _other_order(colors)
-    if order:
+    if order and not _is_mouth_covered(view, settings):
         found.append(f"the face's colors are a face's with {order}: channels seem swapped")
     return tuple(found)
 
@@ -125,18 +133,23 @@ def brightness_told(view: FaceView) -> Float:
 
 def _above_skin(view: FaceView, luma: Float, parts: Sequence[Sequence[int]]) -> Float:
     """[code] (3,) mean and outer tenths of parts above the skin around each; 0 where unseen."""
-    width = float(np.ptp(view.geometry.vertices[list(regions.CHEEK_EDGES), 0]))
-    reach = max(1, round(_RING * width))
-    around = cv2.getStructuringElement(cv2.MORPH_RECT, (2 * reach + 1, 2 * reach + 1))
     above = []
     for part in parts:
         inside = view.within(part)
-        ring = (cv2.dilate(inside.astype(np.uint8), around) > 0) & view.geometry.bare_skin
+        ring = _around(view, inside)
         if min(np.count_nonzero(inside), np.count_nonzero(ring)) >= _FEWEST_RINGED:
             seen = luma[inside]
             told = np.array([seen.mean(), *np.quantile(seen, (0.1, 0.9))])
             above.append(told - np.median(luma[ring]))
     return np.asarray(np.mean(above, axis=0)) if above else np.zeros(3)
+
+
+def _around(view: FaceView, part: Bool) -> Bool:
+    """(H, W) the bare skin around a part."""
+    width = float(np.ptp(view.geometry.vertices[list(regions.CHEEK_EDGES), 0]))
+    reach = max(1, round(_RING * width))
+    square = cv2.getStructuringElement(cv2.MORPH_RECT, (2 * reach + 1, 2 * reach + 1))
+    return (cv2.dilate(part.astype(np.uint8), square) > 0) & view.geometry.bare_skin
 
 
 def _slope(x: Float, y: Float) -> float:
@@ -186,6 +199,24 @@ def colors_told(colors: FaceColors) -> Float:
         ]
     )
     return np.asarray(told / (np.abs(told) + _HARDLY))
+
+
+def _is_mouth_covered(view: FaceView, settings: FaceSettings) -> bool:
+    """Whether lips and what is around them have another hue than skin above, in any order."""
+    bare, lips = view.geometry.bare_skin, _within(view, _LIPS)
+    eyes, mouth = (np.argwhere(part).mean(axis=0) for part in (_within(view, _EYES), lips))
+    rows, columns = np.indices(bare.shape, np.float32)
+    down = mouth - eyes
+    middle = float(down @ (eyes + mouth)) / 2.0
+    above = bare & (down[0] * rows + down[1] * columns < middle)
+    hue, saturation, _ = cv2.split(cv2.cvtColor(view.encoded, cv2.COLOR_RGB2HSV))
+    if not above.any() or np.median(saturation[above]) <= _HUE_TELLS:
+        return False
+    apart = hue - find_skin(view.encoded, above, settings).hue_mode
+    turned = np.abs((apart + 180.0) % 360.0 - 180.0)
+    same = (turned <= settings.hue_half_width) & (saturation > MIN_SATURATION)
+    parts = [part for part in (lips, _around(view, lips)) if part.any()]
+    return all(same[part].mean() < _SAME_HUE for part in parts)
 
 
 def _logs(encoded: Float32) -> Float32:
