@@ -49,7 +49,9 @@ _SOLVED = "stacks"  # as `plan.Data` names them
 _LONGEST = 1600  # [px] of a side; larger portraits cost time alone
 _LEAST_COLOR = 1.0  # [code] between channels; less is what a JPEG makes of gray
 _RIDGE, _RIDGE_OF_ORDERS = 1.0, 3.0  # of a scaled weight, chosen by judgment
-_SURE = 1.5  # [log odds] at which brightness counts as inverted, by judgment
+# [log odds] at which brightness counts as inverted: more than eyes beside dark skin have, of which
+# these portraits show few (docs/evidence).
+_SURE = 5.2
 # Of ordinary photos, of photos with grain and of photos with gaps, what is below the limit: such
 # ones are rarer, so more of them may be above. By judgment.
 _BELOW = (
