@@ -168,6 +168,7 @@ def test_what_is_wrong_with_a_folder_is_told_in_one_line(tmp_path: Path) -> None
     assert "holds no faces/rendered/img/train_*" in told(tmp_path, "--data", tmp_path)
 
 
+@pytest.mark.usefixtures("chart_curves")
 def test_rendered_heads_are_learned_from_too() -> None:
     default = Path(__file__).resolve().parents[2] / "shared" / "data"
     data = Data(Path(os.environ.get("FACECRF_DATA", default)))
