@@ -168,10 +168,9 @@ def test_what_is_wrong_with_a_folder_is_told_in_one_line(tmp_path: Path) -> None
     assert "holds no faces/rendered/img/train_*" in told(tmp_path, "--data", tmp_path)
 
 
-@pytest.mark.usefixtures("chart_curves")
-def test_rendered_heads_are_learned_from_too() -> None:
+def test_rendered_heads_are_learned_from_too(chart_curves: Path) -> None:
     default = Path(__file__).resolve().parents[2] / "shared" / "data"
-    data = Data(Path(os.environ.get("FACECRF_DATA", default)))
+    data = Data(Path(os.environ.get("FACECRF_DATA", default)), chart_curves)
     if not data.heads():
         pytest.skip(f"no rendered heads in {data.root}; set FACECRF_DATA")
     for told in told_by_heads(data, count=2):
